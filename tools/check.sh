@@ -22,6 +22,8 @@ for argument in "$@"; do
     esac
 done
 readonly full
+# Tests that take one case of several have all of them.
+[ "$full" = no ] || export REFLET_LONG=1
 
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 readonly root

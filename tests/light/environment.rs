@@ -264,7 +264,7 @@ fn a_rough_metal_in_a_furnace_shows_its_directional_albedo() {
     let sampled = format!("{FLOOR}{metal}");
     // By samples of the environment, and by rays of either method.
     for (text, method) in [(sampled.as_str(), "rt"), (METAL, "rt"), (METAL, "hybrid")] {
-        for roughness in ["0.1", "0.4", "0.7", "1"] {
+        for roughness in first_or_all(&["0.1", "0.7", "1", "0.4"], 3) {
             for angle_deg in [5.0_f64, 60.0] {
                 let (sine, cosine) = angle_deg.to_radians().sin_cos();
                 let set = [

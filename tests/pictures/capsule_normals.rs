@@ -284,7 +284,7 @@ fn points_without_normals_stay_round() {
 fn capsules_cast_no_shadow_maps_on_themselves() {
     let text = SHEET.to_owned()
         + include_str!("capsule_normals/capsules_cast_no_shadow_maps_on_themselves.toml");
-    for radius_m in [0.3, 0.01, 0.002] {
+    for &radius_m in first_or_all(&[0.01, 0.3, 0.002], 1) {
         let zoom = format!("camera.main.orthographic_height_m={}", 4.0 * radius_m);
         for end in [Vec3::ZERO, Vec3::new(1.0, 0.3, -0.5) * radius_m] {
             let ends = vec![-end, end];

@@ -24,7 +24,7 @@ fn shown(first: &(SceneDesc, World), second: &(SceneDesc, World)) -> Option<Rebu
 fn other_meshes_and_textures_are_uploaded() {
     let cornell = scene(include_str!("../../scenes/cornell.toml"), &[SIZE]);
     let mirrors = scene(include_str!("../../scenes/mirrors.toml"), &[SIZE]);
-    for (first, second) in [(&cornell, &mirrors), (&mirrors, &cornell)] {
+    for (first, second) in first_or_all(&[(&cornell, &mirrors), (&mirrors, &cornell)], 1) {
         let rebuilt = shown(first, second);
         assert!(rebuilt.is_none_or(|rebuilt| rebuilt.upload));
     }

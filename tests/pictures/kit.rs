@@ -28,6 +28,14 @@ pub fn gpu() -> Option<&'static Gpu> {
     GPU.get_or_init(gpu_or_skip).as_ref()
 }
 
+/// The first cases of a list; all of them with `REFLET_LONG`, which `tools/check.sh --full` sets.
+pub fn first_or_all<T>(cases: &[T], count: usize) -> &[T] {
+    match std::env::var_os("REFLET_LONG") {
+        Some(_) => cases,
+        None => &cases[..count],
+    }
+}
+
 /// Scene and world from text with `--set` overrides.
 pub fn scene(text: &str, set: &[&str]) -> (SceneDesc, World) {
     scene_of(Path::new("test.toml"), text, set)
