@@ -18,7 +18,10 @@ use tungstenite::{
     protocol::{Role, WebSocketConfig},
 };
 
-use crate::viewer::opening::ViewerOptions;
+use crate::{
+    viewer::opening::ViewerOptions,
+    write_back::input::{Input, Unfinished},
+};
 use reflet_gpu::Gpu;
 use reflet_render::runtime::SessionError;
 
@@ -27,13 +30,11 @@ pub mod client;
 mod handles;
 mod http;
 mod hub;
-mod input;
 mod session;
 mod state;
 
 use http::{Access, Route};
 use hub::{Hub, Outbox, Parcel};
-use input::{Input, Unfinished};
 use session::Event;
 
 #[cfg(test)]

@@ -3,7 +3,9 @@
 //! Nothing is written here: the preview writes files, a page its editor. All ends share the way to choose and
 //! drag a thing: the [`outline`], [`picking`], the [`selection`] with its [`handles`], and the panels of [`page`]s.
 
+pub mod camera_controls;
 pub mod handles;
+pub mod input;
 mod insert;
 mod inspect;
 mod item;
@@ -14,11 +16,13 @@ mod overridden;
 pub mod page;
 pub mod picking;
 mod places;
+pub mod presses;
 mod put;
 pub mod selection;
 mod splice;
 mod tracks;
 mod tree;
+pub mod view_channel;
 
 use std::path::PathBuf;
 
@@ -139,6 +143,48 @@ fn value_of<T>(fields: &'static [Field<T>], numbers: &Numbers) -> Value {
 /// # Errors
 /// Sentence with the reason why it cannot be written.
 pub fn change(scene: &Layered<'_>, item: SceneItem, numbers: &Numbers) -> Result<Change, String> {
+    let (place, key, value) = written(scene, item, numbers)?;
+    Ok(changed(&place, place.put(key, &value)?))
+}
+
+/// Changes of the texts that contain keys of an item, one for each text.
+///
+/// # Errors
+/// Same errors as [`change`].
+pub fn change_all(
+    scene: &Layered<'_>,
+    item: SceneItem,
+    all: &[Numbers],
+) -> Result<Vec<Change>, String> {
+    let mut changes = Vec::new();
+    for numbers in all {
+        let (place, key, value) = written(scene, item, numbers)?;
+        put_also(&mut changes, &place, key, &value)?;
+    }
+    Ok(changes)
+}
+
+/// Puts a further value into the changes of texts, one for each text.
+fn put_also(
+    changes: &mut Vec<Change>,
+    place: &Place,
+    key: &str,
+    value: &Value,
+) -> Result<(), String> {
+    let known = changes.iter_mut().find(|c| c.path == place.source.path);
+    match known {
+        Some(known) => known.after = place.put_into(&known.after, key, value)?,
+        None => changes.push(changed(place, place.put(key, value)?)),
+    }
+    Ok(())
+}
+
+/// Table in which numbers of an item are written, their key there, and the value.
+fn written(
+    scene: &Layered<'_>,
+    item: SceneItem,
+    numbers: &Numbers,
+) -> Result<(Place, &'static str, Value), String> {
     if let Some(why) = scene.held(item, numbers.key) {
         return Err(why);
     }
@@ -167,8 +213,7 @@ pub fn change(scene: &Layered<'_>, item: SceneItem, numbers: &Numbers) -> Result
     if key == "direction" && !place.has(key) && place.has("target") {
         return Err("it faces its `target`; change that in the text".to_owned());
     }
-    let after = place.put(key, &value)?;
-    Ok(changed(&place, after))
+    Ok((place, key, value))
 }
 
 /// Refuses numbers that scene text cannot have, with which the scene would not be read any more.
@@ -249,11 +294,7 @@ pub fn change_parameters(
         let place = places(scene.desc, scene.variants, &subject, name)?;
         // A key of one letter needs no quotes.
         let value = Value::Toml(setting("p", value).split_off("p = ".len()));
-        let known = changes.iter_mut().find(|c| c.path == place.source.path);
-        match known {
-            Some(known) => known.after = place.put_into(&known.after, name, &value)?,
-            None => changes.push(changed(&place, place.put(name, &value)?)),
-        }
+        put_also(&mut changes, &place, name, &value)?;
     }
     Ok(changes)
 }

@@ -1,4 +1,6 @@
-//! Contents of the panels of pages, as JSON; `src/write_back/page` has the panels.
+//! Contents of pages as JSON: keys, panels and handles; `src/write_back/page` shows them.
+
+use std::iter;
 
 use glam::{Vec2, Vec3, vec2};
 use serde_json::{Value, json};
@@ -8,11 +10,14 @@ use super::{
     handles::{END, Handle},
     numbers_of,
     outline::{LeftOut, OutlineRow},
+    presses::{FIRST_METHODS, KEYS, KeyAction, KeyRow, rivals},
     selection::Selection,
 };
 use reflet_render::runtime::parameters::{DeclaredParameters, ParameterOverrides};
 use reflet_scene::{
-    desc::{CAMERA, CameraDesc, ENVIRONMENT, LIGHT, MATERIAL, MaterialDesc, NEEDING, ParamValue},
+    desc::{
+        CAMERA, CameraDesc, ENVIRONMENT, LIGHT, MATERIAL, MaterialDesc, Method, NEEDING, ParamValue,
+    },
     manual::key_text,
     motion::DECAL,
     number::{Field, Form, find},
@@ -20,13 +25,18 @@ use reflet_scene::{
     range::{LIMIT, Range},
 };
 
-/// Files of the panels, each with its name in the folder of a page and its text.
-pub const FILES: [(&str, &str); 5] = [
+/// Files of pages of a view, each with its name in the folder of a page and its text.
+pub const FILES: [(&str, &str); 10] = [
+    ("choices.js", include_str!("page/choices.js")),
+    ("handles.js", include_str!("page/handles.js")),
+    ("keyboard.js", include_str!("page/keyboard.js")),
     ("keys.js", include_str!("page/keys.js")),
     ("numbers.js", include_str!("page/numbers.js")),
     ("panels.js", include_str!("page/panels.js")),
-    ("handles.js", include_str!("page/handles.js")),
+    ("picture.js", include_str!("page/picture.js")),
+    ("pointer.js", include_str!("page/pointer.js")),
     ("style.css", include_str!("page/style.css")),
+    ("timeline.js", include_str!("page/timeline.js")),
 ];
 
 /// Height of the picture in points, in which handles have their length.
@@ -43,6 +53,39 @@ const UNITS: [(&str, &str); 8] = [
     ("w", "W"),
     ("s", "s"),
 ];
+
+/// Keys that pages have in place of the window's that need a held button.
+const OF_PAGES: [[&str; 2]; 2] = [
+    ["arrows, + -", "orbit, closer, farther, on the picture"],
+    ["W A S D Q E", "fly; Shift: four times as fast"],
+];
+
+/// Methods that pages offer: `auto`, then the methods with keys, then their rivals.
+pub fn methods() -> impl Iterator<Item = Method> {
+    iter::once(Method::Auto)
+        .chain(FIRST_METHODS)
+        .chain(rivals())
+}
+
+/// Keys of a page that has no use for some actions, and finds the presses of `own` itself: `presses` with their actions, and the
+/// rows of its `help`. No page opens other scenes by a key.
+pub fn keys(lost: &[KeyAction], own: &[KeyAction]) -> Value {
+    let is_lost = |row: &&KeyRow| row.presses.iter().any(|press| lost.contains(&press.action));
+    let is_of_window = |row: &&KeyRow| {
+        row.presses.is_empty() && [" + ", "Ctrl"].iter().any(|held| row.keys.contains(held))
+    };
+    let rows: Vec<_> = KEYS
+        .iter()
+        .filter(|row| !is_lost(row) && !is_of_window(row))
+        .collect();
+    let presses = rows.iter().flat_map(|row| row.presses);
+    let presses = presses.filter(|press| !own.contains(&press.action));
+    let help = rows.iter().map(|row| [row.keys, row.what]);
+    json!({
+        "presses": presses.map(|press| (press.keys, press.action)).collect::<Vec<_>>(),
+        "help": help.chain(OF_PAGES).collect::<Vec<_>>(),
+    })
+}
 
 /// Symbol of the unit of a key: named by the end of the key, or meters where its text in the manual says so.
 fn unit(key: &str, text: &str) -> Option<&'static str> {

@@ -55,16 +55,21 @@ impl Place {
 
     /// The text with another value for a key of the table.
     pub fn put(&self, key: &str, value: &Value) -> Result<String, String> {
-        let (text, root) = (&self.source.text, correct(&self.source)?);
-        let order = order_of(self.section);
-        splice::put(text, root, &self.locator, key, value, &order)
+        self.put_into(&self.source.text, key, value)
     }
 
     /// A changed text of the same source with another value for a key of the table.
     pub fn put_into(&self, text: &str, key: &str, value: &Value) -> Result<String, String> {
         let tree = SyntaxTree::parse(text);
         let root = tree.correct().map_err(|error| error.message.clone())?;
-        splice::put(text, root, &self.locator, key, value, &[])
+        splice::put(
+            text,
+            root,
+            &self.locator,
+            key,
+            value,
+            &order_of(self.section),
+        )
     }
 
     /// The text with another value for an element of a list in the table; `path` leads to it.

@@ -1,10 +1,10 @@
 //! Every method and setting of reflections in the preview: its picture equals `render`'s, also beside another one.
 
 use reflet::scene::desc::Method;
-use reflet_preview::viewer::{
-    protocol::{Side, Visualization},
-    view_channel::ViewChannel,
-    view_settings::{FIRST_METHODS, rivals},
+use reflet_preview::{
+    viewer::protocol::{Side, Visualization},
+    write_back::presses::{FIRST_METHODS, rivals},
+    write_back::view_channel::ViewChannel,
 };
 
 use crate::kit::*;

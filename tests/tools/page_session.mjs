@@ -65,7 +65,7 @@ step("orbited");
 // Keys that the window has too.
 await page.locator("#stage").focus();
 await page.keyboard.press("h");
-await page.locator("#help td", { hasText: "orbit" }).waitFor();
+await page.locator("#help td", { hasText: "W A S D" }).waitFor();
 await page.keyboard.press("h");
 if (await page.title() !== "scene \u2013 Reflet") throw new Error(`the title is ${await page.title()}`);
 for (const [key, frame] of [["Home", "0"], ["End", "9"]]) {

@@ -1,19 +1,17 @@
 //! Inputs of viewers, as changes of the view and tasks of the render thread.
 
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
-use super::{input::Input, session::Session, state};
+use super::{session::Session, state};
 use crate::{
     live::Edit,
     viewer::{
-        camera_controls::CameraControls,
-        keys::KeyAction,
         protocol::{FrameAction, FrameRequest, Side, Task},
         recording::RECORDING,
         scene_summary::MaterialRow,
         view_channel::ViewChannel,
     },
-    write_back::{KeyChange, KeyEdit, Numbers, page},
+    write_back::{KeyChange, KeyEdit, Numbers, input::Input, page, presses::KeyAction},
 };
 use reflet_render::runtime::parameters::declared_value;
 use reflet_scene::desc::{MATERIAL, Method};
@@ -22,9 +20,10 @@ use reflet_scene::desc::{MATERIAL, Method};
 const MOST_SAMPLES: u32 = 64;
 
 impl Session {
-    fn move_camera(&mut self, by: impl FnOnce(&mut CameraControls)) {
-        by(&mut self.state.controls);
-        self.state.move_camera(self.now_s());
+    fn move_camera(&mut self, input: &Input) {
+        if input.moves(&mut self.state.controls) {
+            self.state.move_camera(self.now_s());
+        }
     }
 
     fn side(&mut self, side: usize) -> &mut Side {
@@ -36,29 +35,13 @@ impl Session {
 
     pub(super) fn act(&mut self, input: Input) {
         let now_s = self.now_s();
-        // A window is never dragged further than this.
-        let part = |by: [f32; 2]| Vec2::from(by.map(|x| x.clamp(-4.0, 4.0)));
         match input {
-            Input::Shown => {}
-            Input::Orbit { by } => self.move_camera(|camera| camera.orbit(part(by))),
-            Input::Look { by } => self.move_camera(|camera| camera.look(part(by))),
-            Input::Pan { by } => self.move_camera(|camera| camera.pan(part(by))),
-            Input::Dolly { notches } => {
-                self.move_camera(|camera| camera.dolly(notches.clamp(-20.0, 20.0)));
-            }
-            Input::Fly { by, seconds } => {
-                let along = Vec3::from(by.map(|x| x.clamp(-1.0, 1.0)));
-                self.move_camera(|camera| camera.fly(along, seconds.clamp(0.0, 0.5)));
-            }
             Input::Drag {
-                from,
-                to,
-                by,
-                start,
+                from, to, start, ..
             } => {
                 let is_held = (!start || self.grab(from)) && self.drag_handle(from, to);
                 if !is_held && !self.is_taken(from) {
-                    self.move_camera(|camera| camera.orbit(part(by)));
+                    self.move_camera(&input);
                 }
             }
             Input::Drop { from } => self.let_go(Some(from)),
@@ -94,7 +77,7 @@ impl Session {
             } => self.change_key([&kind, &name, &key], change),
             Input::Parameter { name, value, write } => self.change_parameter(&name, &value, write),
             Input::Method { side, name } => {
-                let found = state::methods().find(|method: &Method| method.name() == name);
+                let found = page::methods().find(|method: &Method| method.name() == name);
                 if let Some(method) = found {
                     self.side(side).method = method;
                 }
@@ -110,6 +93,7 @@ impl Session {
                 let time = self.state.timeline.iter_mut();
                 time.for_each(|time| time.seek(frame, now_s));
             }
+            moves => self.move_camera(&moves),
         }
     }
 

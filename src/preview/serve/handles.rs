@@ -3,11 +3,12 @@
 use glam::Vec2;
 use serde_json::json;
 
-use super::{input::Unfinished, session::Session, state};
+use super::{session::Session, state};
 use crate::{
     viewer::protocol::Task,
     write_back::{
         handles::Handle,
+        input::{MOST_DRAG, Unfinished},
         page::{self, points},
     },
 };
@@ -80,7 +81,8 @@ impl Session {
         if !is_finite || self.grip != Some(from) {
             return false;
         }
-        let by = (Vec2::from(to) - Vec2::from(from)).clamp(Vec2::splat(-4.0), Vec2::splat(4.0));
+        let by = (Vec2::from(to) - Vec2::from(from))
+            .clamp(Vec2::splat(-MOST_DRAG), Vec2::splat(MOST_DRAG));
         if let Some((item, numbers)) = self.selection.drag_by(by * size) {
             self.state.stir(self.now_s());
             self.post(Task::Drag(item, numbers));

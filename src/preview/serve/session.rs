@@ -13,11 +13,7 @@ use std::{
 
 use image::{ExtendedColorType, codecs::jpeg::JpegEncoder};
 
-use super::{
-    hub::Hub,
-    input::{Input, Unfinished},
-    state,
-};
+use super::{hub::Hub, state};
 use crate::viewer::{
     opening::{Opened, ViewerOptions},
     protocol::{
@@ -28,7 +24,10 @@ use crate::viewer::{
     scene_summary::SceneSummary,
     view_state::ViewState,
 };
-use crate::write_back::selection::Selection;
+use crate::write_back::{
+    input::{Input, Unfinished},
+    selection::Selection,
+};
 use reflet_gpu::Gpu;
 use reflet_render::{
     picture::png_file,

@@ -8,15 +8,14 @@ use serde_json::{Value, json};
 use crate::{
     live::Problems,
     viewer::{
-        keys::{self, KeyAction, KeyRow},
         protocol::{FinishedFrame, Side},
         scene_summary::SceneSummary,
         timeline::Timeline,
-        view_channel::ViewChannel,
-        view_settings::{FIRST_METHODS, rivals},
         view_state::ViewState,
     },
-    write_back::{Inspected, page, selection::Selection},
+    write_back::{
+        Inspected, page, presses::KeyAction, selection::Selection, view_channel::ViewChannel,
+    },
 };
 use reflet_render::runtime::parameters::ParameterOverrides;
 use reflet_scene::{
@@ -24,39 +23,6 @@ use reflet_scene::{
     diagnostic::{Place, Span},
     number::Field,
 };
-
-/// Methods that a page offers.
-pub(super) fn methods() -> impl Iterator<Item = Method> {
-    std::iter::once(Method::Auto)
-        .chain(FIRST_METHODS)
-        .chain(rivals())
-}
-
-/// Actions of the window that the page does not have, or does by itself.
-const OF_WINDOW: [KeyAction; 6] = [
-    KeyAction::Copy,
-    KeyAction::Compare,
-    KeyAction::Screenshot,
-    KeyAction::SafeArea,
-    KeyAction::Help,
-    KeyAction::Close,
-];
-
-/// Presses that the page understands, and their actions.
-fn presses() -> Vec<(&'static str, KeyAction)> {
-    let all = keys::presses().map(|press| (press.keys, press.action));
-    all.filter(|(_, action)| !OF_WINDOW.contains(action))
-        .collect()
-}
-
-/// Whether a row of the list of keys holds for the page, which opens no other scenes.
-fn is_known(row: &KeyRow) -> bool {
-    let own = [KeyAction::Help, KeyAction::Screenshot];
-    let is_lost =
-        |press: &keys::Press| OF_WINDOW.contains(&press.action) && !own.contains(&press.action);
-    let opens = row.presses.is_empty() && row.keys.contains("Ctrl");
-    !opens && !row.presses.iter().any(is_lost)
-}
 
 /// A message for the status line.
 pub(super) fn message(text: &str) -> String {
@@ -134,6 +100,7 @@ pub(super) fn keys(state: &ViewState, selected: Option<&Inspected>) -> String {
 
 /// The scene: its choices, and its warnings.
 pub(super) fn scene(state: &ViewState, name: &str) -> String {
+    use KeyAction::{Close, Compare, Copy, SafeArea};
     let summary = &state.summary;
     let warnings = summary.warnings.iter().map(|warning| warning.render(false));
     let materials = summary.materials.iter().map(|row| &row.name);
@@ -142,10 +109,9 @@ pub(super) fn scene(state: &ViewState, name: &str) -> String {
         "materials": materials.collect::<Vec<_>>(),
         "cameras": summary.cameras.iter().map(|(name, _)| name).collect::<Vec<_>>(),
         "cuts": !summary.cuts.is_empty(),
-        "methods": methods().map(Method::name).collect::<Vec<_>>(),
+        "methods": page::methods().map(Method::name).collect::<Vec<_>>(),
         "channels": ViewChannel::of_frames().map(ViewChannel::name).collect::<Vec<_>>(),
-        "presses": presses(),
-        "help": keys::KEYS.iter().filter(|row| is_known(row)).map(|row| [row.keys, row.what]).collect::<Vec<_>>(),
+        "keys": page::keys(&[Copy, Compare, SafeArea, Close], &[]),
         "items": page::rows(&summary.items, &state.settings.left_out),
         "timeline": summary.timeline.as_ref().map(|time| json!([time.start, time.end, time.fps])),
         "log": summary.log,

@@ -7,7 +7,7 @@ use std::{
 };
 
 use super::{hub::Hub, *};
-use crate::viewer::keys::KeyAction;
+use crate::write_back::presses::KeyAction;
 
 const SOCKET: &str = "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n\
                       Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n";

@@ -4,15 +4,6 @@ use super::{protocol::Side, view_channel::ViewChannel};
 use crate::write_back::outline::LeftOut;
 use reflet_scene::desc::Method;
 
-/// Methods with a key and a button of their own, in the order of menus.
-pub const FIRST_METHODS: [Method; 4] = [Method::Hybrid, Method::Ssr, Method::Rt, Method::Path];
-
-/// Methods to compare them with, in the order of menus.
-pub fn rivals() -> impl Iterator<Item = Method> {
-    let others = |method: &Method| *method != Method::Auto && !FIRST_METHODS.contains(method);
-    Method::ALL.into_iter().filter(others)
-}
-
 /// User settings of the view.
 #[derive(Clone, Debug)]
 pub struct ViewSettings {

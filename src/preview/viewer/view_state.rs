@@ -2,14 +2,13 @@
 //! window and the page have one each.
 
 use super::{
-    camera_controls::CameraControls,
     flight::Flight,
     protocol::{FinishedFrame, Picked, View, ViewCamera},
     scene_summary::SceneSummary,
     timeline::{self, Timeline},
     view_settings::ViewSettings,
 };
-use crate::write_back::{Inspected, KeyTrack, shown_tracks};
+use crate::write_back::{Inspected, KeyTrack, camera_controls::CameraControls, shown_tracks};
 use reflet_scene::desc::Method;
 
 /// Rest time after the last move before the full-resolution picture is rendered, seconds.

@@ -72,5 +72,6 @@ export const begin_handles = (canvas, over, send) => {
   };
   for (const kind of KINDS) get(kind).addEventListener("click", () => send({ do: "handles", kind }));
   new ResizeObserver(paint).observe(canvas);
-  return { show, paint, holds };
+  canvas.addEventListener("resized", paint);
+  return { show, holds };
 };

@@ -5,25 +5,22 @@ use crate::viewer::{
     frame_texture::FrameTexture,
     picture_filter::PictureFilter,
     protocol::{Side, View, Visualization},
-    view_channel::{BACKGROUND_GRAY, CUBE_CROSS, ShadowMapChoice, ViewChannel},
+    view_channel::{
+        BACKGROUND_GRAY, CUBE_CROSS, ShadowMapChoice, ViewChannel, aov_legend, distance_legend,
+        ray_order,
+    },
 };
-use reflet_base::math::LUMINANCE;
 use reflet_gpu::GpuError;
-use reflet_metric::flip;
 use reflet_render::{
     Plane, PlaneData, RenderError,
     lighting::lights::{CUBE_FACES, has_cube_map},
-    picture::{aov::Aov, aov_view},
+    picture::aov_view,
     pipeline::targets::Target,
     renderer::stats::FrameStats,
 };
 
 /// Longest edge of a face in an unfolded cube map, pixels.
 const FACE_PX: u32 = 512;
-/// Brightness of pixels without a traced ray, as a fraction.
-const DIMMED: f32 = 0.3;
-/// Value of the first ray in the color map.
-const FIRST_RAY_VALUE: f32 = 0.35;
 /// Color of empty texels of a shadow map.
 const EMPTY_SHADOW: [u8; 4] = [24, 36, 84, 255];
 
@@ -119,20 +116,8 @@ impl Worker {
                 Ok((Pixels { size, rgba }, aov_legend(aov, &plane)))
             }
             ViewChannel::Rays => {
-                let display: Vec<u8> = renderer.read(&self.gpu, Target::Display)?;
-                let rays = renderer.ray_list(&self.gpu)?;
-                let list = rays.as_deref().unwrap_or_default();
-                let rgba = ray_order_image(size, list, &display);
-                let legend = match rays {
-                    Some(rays) => format!(
-                        "{} rays start from {:.1} % of the pixels; dark: first in the list, light: last",
-                        rays.len(),
-                        100.0 * rays.len() as f64 / (f64::from(size[0]) * f64::from(size[1])),
-                    ),
-                    None => {
-                        "no ray list: this method traces nothing, or nothing reflects".to_owned()
-                    }
-                };
+                let display = renderer.read(&self.gpu, Target::Display)?;
+                let (rgba, legend) = ray_order(size, renderer.ray_list(&self.gpu)?, &display);
                 Ok((Pixels { size, rgba }, legend))
             }
             ViewChannel::Shadow(shadow_map) => Ok(self.shadow(shadow_map)?),
@@ -178,34 +163,6 @@ impl Worker {
     }
 }
 
-/// Legend of an AOV.
-fn aov_legend(aov: Aov, plane: &Plane) -> String {
-    let text = match (aov, &plane.data) {
-        (Aov::Depth | Aov::HitDistance, PlaneData::F32(distances)) => {
-            return distance_legend(distances, "black");
-        }
-        (Aov::Normal, _) => "red, green, blue: x, y, z from -1 to 1",
-        (Aov::Material, _) => "red: roughness, green: metallic, blue: reflectivity",
-        (Aov::Reflectance, _) => "black: 0, white: 1",
-        (Aov::Source | Aov::Cause, _) => "colors as in the panel's Reflections",
-        (Aov::Ids | Aov::HitIds, _) => "a color for each instance and triangle",
-        _ => "linear radiance, clipped at 1",
-    };
-    text.to_owned()
-}
-
-/// Legend of a gray scale of distances: its ends, and the color of nothing.
-fn distance_legend(distances: &[f32], nothing: &str) -> String {
-    let finite = distances.iter().filter(|distance| distance.is_finite());
-    let (least, most) = finite.fold((f32::INFINITY, 0.0_f32), |(least, most), distance| {
-        (least.min(*distance), most.max(*distance))
-    });
-    if least > most {
-        return "no surface".to_owned();
-    }
-    format!("white: {least:.2} m, black: {most:.2} m; no surface: {nothing}")
-}
-
 /// Downsamples a square map to at most [`FACE_PX`]: the minimum of each block.
 fn shrunk(edge: u32, map: &[f32]) -> (u32, Vec<f32>) {
     let step = edge.div_ceil(FACE_PX).max(1);
@@ -233,27 +190,6 @@ fn cube_cross(faces: &[(u32, Vec<f32>)]) -> ([u32; 2], Vec<Option<f32>>) {
         }
     }
     (size, cross)
-}
-
-/// The picture, dim and gray, with the traced pixels colored by their index in the list.
-fn ray_order_image(size: [u32; 2], rays: &[[u32; 2]], display: &[u8]) -> Vec<u8> {
-    let dim = |texel: &[u8]| {
-        let rgb = [0, 1, 2].map(|i| f32::from(texel[i]));
-        let gray = (DIMMED * LUMINANCE.dot(rgb.into())) as u8;
-        [gray, gray, gray, 255]
-    };
-    let mut rgba: Vec<u8> = display.chunks_exact(4).flat_map(dim).collect();
-    let last = rays.len().saturating_sub(1).max(1) as f32;
-    let values: Vec<f32> = (0..rays.len())
-        .map(|i| FIRST_RAY_VALUE + (1.0 - FIRST_RAY_VALUE) * i as f32 / last)
-        .collect();
-    for ([x, y], color) in rays.iter().zip(flip::heat(&values).chunks_exact(3)) {
-        let at = 4 * (y * size[0] + x) as usize;
-        if let Some(texel) = rgba.get_mut(at..at + 3) {
-            texel.copy_from_slice(color);
-        }
-    }
-    rgba
 }
 
 #[cfg(test)]
@@ -285,25 +221,5 @@ mod tests {
             assert_eq!(cross[at + 1 + size[0] as usize], Some(face as f32));
         }
         assert_eq!(cross.iter().flatten().count(), 24);
-    }
-
-    #[test]
-    fn ray_order_image_shades_pixels_by_list_position() {
-        let display = vec![200; 4 * 12];
-        let rgba = ray_order_image([4, 3], &[[3, 1], [0, 2], [1, 0]], &display);
-        let sum = |x: usize, y: usize| -> u32 {
-            let at = 4 * (4 * y + x);
-            rgba[at..at + 3].iter().map(|v| u32::from(*v)).sum()
-        };
-        assert_eq!(sum(0, 0), 3 * 60, "the picture, dimmed");
-        assert!(sum(3, 1) < sum(0, 2) && sum(0, 2) < sum(1, 0));
-        assert!(rgba.iter().skip(3).step_by(4).all(|alpha| *alpha == 255));
-    }
-
-    #[test]
-    fn distance_legend_states_both_ends() {
-        let text = distance_legend(&[f32::INFINITY, 2.5, 1.25], "blue");
-        assert_eq!(text, "white: 1.25 m, black: 2.50 m; no surface: blue");
-        assert_eq!(distance_legend(&[f32::INFINITY], "blue"), "no surface");
     }
 }

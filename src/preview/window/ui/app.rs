@@ -14,12 +14,14 @@ use super::{
 };
 use crate::{
     viewer::{
-        keys::{self, KeyAction},
         protocol::{FrameAction, Screenshot, ScreenshotGoal, Task},
         recording::RECORDING,
         timeline::Timeline,
     },
-    write_back::KeyTrack,
+    write_back::{
+        KeyTrack,
+        presses::{self, KeyAction},
+    },
 };
 
 /// Sidebar width: fraction of the window, limits in points, and the narrowest window with a
@@ -34,7 +36,7 @@ const TOLD_EVERY_S: f32 = 1.0;
 impl Window {
     fn keys(&mut self, ui: &Ui) {
         let is_typing = ui.ctx().egui_wants_keyboard_input();
-        for press in keys::presses() {
+        for press in presses::presses() {
             // F12 is no text input.
             if !is_typing || press.action == KeyAction::Screenshot {
                 (0..presses(ui, press)).for_each(|_| self.press(ui, press.action));

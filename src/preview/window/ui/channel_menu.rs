@@ -2,10 +2,12 @@
 
 use eframe::egui::{self, Ui};
 
-use crate::viewer::{
-    protocol::Side,
-    view_channel::{ShadowLight, ShadowMapChoice, ViewChannel},
-    view_settings::{FIRST_METHODS, rivals},
+use crate::{
+    viewer::{
+        protocol::Side,
+        view_channel::{ShadowLight, ShadowMapChoice, ViewChannel},
+    },
+    write_back::presses::{FIRST_METHODS, rivals},
 };
 use reflet_render::lighting::lights::CUBE_FACES;
 use reflet_scene::desc::Method;

@@ -2,7 +2,7 @@
 
 use eframe::egui::{Event, Key, Modifiers, Ui};
 
-use crate::viewer::keys::Press;
+use crate::write_back::presses::Press;
 
 /// Presses since the last frame of the window. The modifiers are taken at each press: a slow window may see Alt and an
 /// arrow pressed and released within one frame, after which no modifier is down. With modifiers no control sees them.
@@ -31,12 +31,12 @@ pub fn presses(ui: &Ui, press: &Press) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::viewer::keys;
+    use crate::write_back::presses;
 
     #[test]
     fn the_window_knows_every_key() {
         let last = |press: &Press| press.keys.rsplit('+').next().and_then(Key::from_name);
-        let unknown = keys::presses().find(|press| last(press).is_none());
+        let unknown = presses::presses().find(|press| last(press).is_none());
         assert_eq!(unknown, None);
     }
 }

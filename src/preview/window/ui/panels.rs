@@ -7,8 +7,9 @@ use super::{
     channel_menu::{MENU, side_menu},
     charts,
 };
-use crate::viewer::{
-    keys::KeyAction, protocol::Task, scene_summary::SceneSummary, view_settings::ViewSettings,
+use crate::{
+    viewer::{protocol::Task, scene_summary::SceneSummary, view_settings::ViewSettings},
+    write_back::presses::KeyAction,
 };
 use reflet_metric::Scores;
 use reflet_scene::desc::Method;

@@ -9,11 +9,10 @@ use super::{
 };
 use crate::{
     viewer::{
-        keys::KeyAction,
         protocol::{PixelValue, Task},
         scene_summary::OutlineRow,
     },
-    write_back::{SceneItem, handles::Handle, selection::Selection},
+    write_back::{SceneItem, handles::Handle, presses::KeyAction, selection::Selection},
 };
 
 /// Height of a row of the outline, and maximum height of the outline, points.

@@ -10,9 +10,9 @@ use super::{
     parameter_panel, place_panel, status_bar,
     window::Window,
 };
-use crate::viewer::{
-    camera_controls::as_text,
-    protocol::{Comparison, Task},
+use crate::{
+    viewer::protocol::{Comparison, Task},
+    write_back::camera_controls::as_text,
 };
 
 impl Window {

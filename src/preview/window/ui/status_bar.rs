@@ -3,7 +3,7 @@
 use eframe::egui::{self, Align2, Label, RichText, Ui, vec2};
 
 use super::{diagnostics_panel::located, status_message::StatusMessage};
-use crate::viewer::{keys::KEYS, scene_summary::SceneSummary};
+use crate::{viewer::scene_summary::SceneSummary, write_back::presses::KEYS};
 use reflet_scene::script::DEADLINE;
 
 /// Current activity.

@@ -2,7 +2,7 @@
 
 use eframe::egui::{self, Ui};
 
-use crate::viewer::{keys::KeyAction, timeline::Timeline};
+use crate::{viewer::timeline::Timeline, write_back::presses::KeyAction};
 
 /// Width below which the slider has a row of its own, points.
 const ONE_ROW: f32 = 620.0;

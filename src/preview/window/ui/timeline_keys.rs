@@ -3,8 +3,8 @@
 use eframe::egui::{self, Color32, Key, Rect, Sense, Shape, Stroke, Ui, pos2, vec2};
 
 use super::panels::ViewRequest;
-use crate::viewer::{flight::frame_of, keys::KeyAction, protocol::Task, timeline::Timeline};
-use crate::write_back::{KeyChange, KeyEdit, KeyTrack, TrackName};
+use crate::viewer::{flight::frame_of, protocol::Task, timeline::Timeline};
+use crate::write_back::{KeyChange, KeyEdit, KeyTrack, TrackName, presses::KeyAction};
 
 /// Height of the row of a track, width of its label, and half the width of a key, points.
 const ROW: f32 = 18.0;

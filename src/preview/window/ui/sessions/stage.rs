@@ -14,7 +14,6 @@ use super::super::{
 use crate::{
     live::{Edit, Problems, Refusal},
     viewer::{
-        keys,
         protocol::{Picked, Task},
         scene_summary::{MaterialRow, OutlineRow, SceneSummary},
         timeline::{Timeline, follow},
@@ -22,7 +21,8 @@ use crate::{
         view_settings::ViewSettings,
     },
     write_back::{
-        Inspected, KeyTrack, Numbers, SceneItem, TrackName, numbers_of, selection::Selection,
+        Inspected, KeyTrack, Numbers, SceneItem, TrackName, numbers_of, presses as known,
+        selection::Selection,
     },
 };
 use reflet_base::math::Bounds;
@@ -279,7 +279,7 @@ impl Stage {
             }
             "timeline" => {
                 let time = time.expect("a timeline");
-                for press in keys::presses() {
+                for press in known::presses() {
                     for _ in 0..presses(ui, press) {
                         time.press(press.action, self.now_s);
                     }
@@ -316,7 +316,7 @@ impl Stage {
                 requests.extend(tasks.into_iter().map(ViewRequest::from));
             }
             "place" => {
-                for press in keys::presses() {
+                for press in known::presses() {
                     let pressed = (0..presses(ui, press)).map(|_| ViewRequest::Press(press.action));
                     requests.extend(pressed);
                 }

@@ -1,13 +1,18 @@
-//! Messages of a page.
+//! Messages of pages: inputs of their viewers.
 
+use glam::{Vec2, Vec3};
 use serde::Deserialize;
 
-use crate::{viewer::keys::KeyAction, write_back::KeyChange};
+use super::{KeyChange, camera_controls::CameraControls, presses::KeyAction};
+
+/// Longest drag, in parts of the picture's height: no window is larger.
+pub const MOST_DRAG: f32 = 4.0;
 
 /// Input of a viewer.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
+#[expect(missing_docs, reason = "the text of a message names its fields")]
 #[serde(tag = "do", rename_all = "snake_case", deny_unknown_fields)]
-pub(super) enum Input {
+pub enum Input {
     /// The last picture is shown; the next may come.
     Shown,
     /// Move the camera by a drag, in parts of the picture's height.
@@ -81,22 +86,41 @@ pub(super) enum Input {
     },
 }
 
+impl Input {
+    /// Moves the camera as the input says; returns whether it moves cameras.
+    pub fn moves(&self, camera: &mut CameraControls) -> bool {
+        let part = |by: &[f32; 2]| Vec2::from(by.map(|x| x.clamp(-MOST_DRAG, MOST_DRAG)));
+        match self {
+            Self::Orbit { by } | Self::Drag { by, .. } => camera.orbit(part(by)),
+            Self::Look { by } => camera.look(part(by)),
+            Self::Pan { by } => camera.pan(part(by)),
+            Self::Dolly { notches } => camera.dolly(notches.clamp(-20.0, 20.0)),
+            Self::Fly { by, seconds } => {
+                let along = Vec3::from(by.map(|x| x.clamp(-1.0, 1.0)));
+                camera.fly(along, seconds.clamp(0.0, 0.5));
+            }
+            _ => return false,
+        }
+        true
+    }
+}
+
 /// Drags of a viewer without their end: they are shown to all, and would be written at the end.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Unfinished {
+pub struct Unfinished {
     /// Start of a drag on the picture.
-    pub(super) from: Option<[f32; 2]>,
+    pub from: Option<[f32; 2]>,
     /// Whether numbers of the selected item are changed.
-    pub(super) number: bool,
+    pub number: bool,
     /// Key of the number of the shown material that is changed.
-    pub(super) material: Option<String>,
+    pub material: Option<String>,
     /// Name of the parameter that is changed.
-    pub(super) parameter: Option<String>,
+    pub parameter: Option<String>,
 }
 
 impl Unfinished {
     /// Follows the inputs of the viewer.
-    pub(super) fn hear(&mut self, input: &Input) {
+    pub fn hear(&mut self, input: &Input) {
         match input {
             Input::Drag { from, .. } => self.from = Some(*from),
             Input::Drop { .. } => self.from = None,
