@@ -1,8 +1,7 @@
 //! Selection and edits in the shown scene: contents of the page's panels, and the changes of texts that follow from inputs there
-//! and on the picture. A drag changes texts too, which the page puts into the editor where it ends.
+//! and on the picture. A drag changes texts too, which the page puts into the editor where it ends; so does a move of the camera.
 
 use glam::Vec2;
-use serde::Deserialize;
 use serde_json::{Value, json};
 use wasm_bindgen::prelude::wasm_bindgen;
 
@@ -15,79 +14,49 @@ use reflet_render::{
 use reflet_scene::{
     desc::{CameraDesc, MATERIAL},
     number::find,
+    syntax::key_text,
 };
 use reflet_world::World;
 use reflet_write_back::{
-    Change, KeyChange, KeyEdit, Layered, MaterialOrigin, Numbers, SceneItem, change, change_keys,
-    change_material, change_parameters, exact,
+    Change, KeyEdit, Layered, MaterialOrigin, Numbers, SceneItem,
+    camera_controls::CameraControls,
+    change, change_keys, change_material, change_parameters,
     handles::Handle,
-    inspect, key_tracks,
+    input::{Input, MOST_DRAG},
+    inspect, key_tracks, list,
     outline::{LeftOut, outline},
     page,
     picking::Clicks,
+    presses::KeyAction,
     selection::Selection,
     shown_tracks,
 };
 
-/// Longest drag, parts of the picture.
-const MOST_DRAG: f32 = 4.0;
-
-/// Input of a user in the panels or on the picture; places are 0 to 1 from the top left of the picture. `write` is whether the
-/// input has ended, so that its change belongs into the text.
-#[derive(Deserialize)]
-#[serde(tag = "do", rename_all = "snake_case", deny_unknown_fields)]
-enum Act {
-    /// Select at a place of the picture.
-    Pick { at: [f32; 2] },
-    /// Select a row of the outline.
-    Select { row: usize },
-    /// Select nothing.
-    Unpick {},
-    /// Choose the kind of the handles: `move`, `turn` or `scale`.
-    Handles { kind: String },
-    /// Drag the handle at `from` to another place; `start` takes hold of it first.
-    Drag {
-        from: [f32; 2],
-        to: [f32; 2],
-        start: bool,
-    },
-    /// End the drag of a handle.
-    Drop {},
-    /// Hide the thing of a row of the outline, or show it again; with `solo`, show it alone, or all again.
-    Hide { row: usize, solo: bool },
-    /// Change numbers of the selected item.
-    Number {
-        key: String,
-        values: Vec<f64>,
-        write: bool,
-    },
-    /// Show the numbers of the material in a row of the list; without a row, of no material.
-    Material { row: Option<usize> },
-    /// Change numbers of the shown material.
-    MaterialNumber {
-        key: String,
-        values: Vec<f64>,
-        write: bool,
-    },
-    /// Change keys of a track.
-    Key {
-        kind: String,
-        name: String,
-        key: String,
-        change: KeyChange,
-    },
-    /// Change a parameter of the script.
-    Parameter {
-        name: String,
-        value: Value,
-        write: bool,
-    },
-    /// Put a camera elsewhere.
-    Place { camera: String, eye: [f32; 3] },
-}
-
 /// Changes of texts by an input, and whether the input has ended.
 type Done = (Vec<Change>, bool);
+
+/// A camera that a user has moved.
+struct Moved {
+    name: String,
+    /// The camera where the text has it.
+    start: CameraDesc,
+    controls: CameraControls,
+}
+
+impl Moved {
+    /// Overrides that show the camera where it stands.
+    fn overrides(&self) -> Vec<String> {
+        let name = key_text(&self.name);
+        let value = |values: &[f64]| match values {
+            [only] => only.to_string(),
+            all => list(all),
+        };
+        let numbers = self.controls.moved_from(&self.start).into_iter();
+        numbers
+            .map(|it| format!("camera.{name}.{}={}", it.key, value(&it.values)))
+            .collect()
+    }
+}
 
 /// The selected item and material of a scene.
 #[derive(Default)]
@@ -98,8 +67,18 @@ pub(crate) struct Editing {
     /// Name of the material whose numbers are shown.
     material: Option<String>,
     clicks: Clicks,
+    /// Whether a handle is dragged.
+    has_grip: bool,
+    moved: Option<Moved>,
     /// Things that the view leaves out.
     pub(crate) left_out: LeftOut,
+}
+
+impl Editing {
+    /// Overrides of the camera that was moved.
+    pub(crate) fn overrides(&self) -> Vec<String> {
+        self.moved.as_ref().map_or_else(Vec::new, Moved::overrides)
+    }
 }
 
 /// Keeps an input, a message of the page as JSON, for the next call of [`act`].
@@ -123,7 +102,7 @@ pub fn act() {
         Ok((changes, writes)) => {
             let changed = |change: &Change| json!({ "file": change.path, "before": change.before, "after": change.after });
             let changes: Vec<_> = changes.iter().map(changed).collect();
-            json!({ "changes": changes, "writes": writes })
+            json!({ "changes": changes, "writes": writes, "moves": shown.editing.moved.is_some() })
         }
         Err(why) => json!({ "changes": [], "writes": true, "error": why }),
     };
@@ -142,6 +121,16 @@ fn camera_of(session: &Session) -> Option<&CameraDesc> {
     cameras.get(session.camera()).map(|camera| &camera.value)
 }
 
+/// The camera of the picture and its name, where it stands as its text says: neither motion nor a script or parent places it.
+pub(crate) fn own_camera(session: &Session) -> Option<(&str, &CameraDesc)> {
+    let loaded = session.scene();
+    let shown = loaded.world.cameras.get(session.camera())?;
+    let mut cameras = loaded.scene.cameras.iter();
+    let own = cameras.find(|own| own.name == shown.name)?;
+    let (it, own) = (&shown.value, &own.value);
+    (own.eye == it.eye && own.target == it.target).then_some((&shown.name, it))
+}
+
 fn names(world: &World) -> Vec<String> {
     unique_names(
         world
@@ -152,80 +141,53 @@ fn names(world: &World) -> Vec<String> {
 }
 
 impl Shown {
-    fn act(&mut self, act: Act) -> Result<Done, String> {
-        let nothing = Ok((Vec::new(), false));
+    fn act(&mut self, input: Input) -> Result<Done, String> {
         let session = self.session.as_ref().ok_or("no picture is shown")?;
-        let (desc, size) = (
-            &session.scene().scene.desc,
-            session.renderer().targets().size,
-        );
-        match act {
-            Act::Pick { at } => {
-                self.pick(at)?;
-                nothing
-            }
-            Act::Select { row } => {
+        let desc = &session.scene().scene.desc;
+        match input {
+            Input::Pick { at } => self.pick(at)?,
+            Input::Select { row } => {
                 let item = outline(desc).get(row).map(|row| row.item);
                 self.select(item, None);
-                nothing
             }
-            Act::Hide { row, solo } => {
+            Input::Hide { row, solo } => {
                 if let Some(row) = outline(desc).get(row) {
                     self.editing.left_out.toggle(&row.label, solo);
                 }
-                nothing
             }
-            Act::Unpick {} => {
-                self.select(None, None);
-                nothing
-            }
-            Act::Handles { kind } => {
+            Input::Press { action } => return self.press(action),
+            Input::Handles { kind } => {
                 let kind = Handle::from_name(&kind).ok_or("there are no such handles")?;
                 self.editing.selection.handle = kind;
-                nothing
             }
-            Act::Drag { from, to, start } => {
-                let size = page::points(size);
-                let [from, to] = [from, to].map(Vec2::from);
-                let selection = &mut self.editing.selection;
+            Input::Drag {
+                from, to, start, ..
+            } => {
                 if start {
-                    let camera = camera_of(session).ok_or("no camera shows the scene")?;
-                    let handles = selection.handles(camera, size);
-                    let axis = handles.and_then(|handles| handles.axis_at(from * size));
-                    if let Some((handles, axis)) = handles.zip(axis) {
-                        selection.grab(&handles, axis);
-                    }
+                    self.grab(from)?;
                 }
-                let by = (to - from).clamp(Vec2::splat(-MOST_DRAG), Vec2::splat(MOST_DRAG));
-                let moved = selection.drag_by(by * size);
-                let changed = moved.map(|(item, now)| self.change(item, &now));
-                let changed = changed.transpose();
-                if changed.is_err() {
-                    self.editing.selection.forget_drag();
+                if self.editing.has_grip {
+                    return Ok((self.drag_handle(from, to)?, false));
                 }
-                Ok((changed?.into_iter().collect(), false))
+                let moved = self.move_camera(|camera| input.moves(camera));
+                // Told once in a drag.
+                moved.or_else(|why| if start { Err(why) } else { Ok(()) })?;
             }
-            Act::Drop {} => {
-                let moved = self.editing.selection.let_go();
-                let changed = moved.map(|(item, now)| self.change(item, &now));
-                let changed = changed.transpose()?;
-                Ok((changed.into_iter().collect(), true))
-            }
-            Act::Number { key, values, write } => {
+            Input::Drop { .. } => return self.let_go(),
+            Input::Number { key, values, write } => {
                 let item = self.editing.selection.shown();
                 let item = item.ok_or("nothing is selected")?;
                 let own = item.numbers.iter().find(|own| own.key == key);
                 let own = own.filter(|own| own.values.len() == values.len());
                 let key = own.ok_or("the selected item has no such number")?.key;
-                let changed = self.change(item.item, &Numbers { key, values })?;
-                Ok((vec![changed], write))
+                let changed = self.change(item.item, &[Numbers { key, values }])?;
+                return Ok((changed, write));
             }
-            Act::Material { row } => {
+            Input::Material { row } => {
                 let name = row.and_then(|row| names(&session.scene().world).into_iter().nth(row));
                 self.editing.material = name;
-                nothing
             }
-            Act::MaterialNumber { key, values, write } => {
+            Input::MaterialNumber { key, values, write } => {
                 let (_, origin) = self.material().ok_or("no material is shown")?;
                 let origin =
                     origin.ok_or("its shape names no material; write `material = …` there")?;
@@ -234,9 +196,9 @@ impl Shown {
                 let key = own.ok_or("the material has no such number")?.key;
                 let numbers = Numbers { key, values };
                 let changed = change_material(&self.layered(session), &origin, &numbers)?;
-                Ok((vec![changed], write))
+                return Ok((vec![changed], write));
             }
-            Act::Key {
+            Input::Key {
                 kind,
                 name,
                 key,
@@ -246,24 +208,115 @@ impl Shown {
                 let track = tracks.find(|t| t.kind == kind && t.name == name && t.key == key);
                 let track = track.ok_or("there is no such track")?;
                 let edit = KeyEdit { track, change };
-                Ok((vec![change_keys(&self.layered(session), &edit)?], true))
+                return Ok((vec![change_keys(&self.layered(session), &edit)?], true));
             }
-            Act::Parameter { name, value, write } => {
+            Input::Parameter { name, value, write } => {
                 let own = declared_value(session.declared(), &name);
                 let value = own.and_then(|own| page::parameter(&value, own));
                 let value =
                     value.ok_or("there is no such parameter, or its value is of another kind")?;
                 let changed = change_parameters(&self.layered(session), &[(&name, &value)])?;
-                Ok((changed, write))
+                return Ok((changed, write));
             }
-            Act::Place { camera, eye } => {
-                let index = desc.cameras.iter().position(|it| it.name == camera);
-                let item = SceneItem::Camera(index.ok_or("the text has no such camera")?);
-                let values = eye.iter().map(|x| exact(*x)).collect();
-                let changed = self.change(item, &Numbers { key: "eye", values })?;
-                Ok((vec![changed], true))
-            }
+            // All others move the camera, but for choices and frames of the page's own.
+            _ => self.move_camera(|camera| input.moves(camera))?,
         }
+        Ok((Vec::new(), false))
+    }
+
+    fn press(&mut self, action: KeyAction) -> Result<Done, String> {
+        match action {
+            KeyAction::Unpick => self.select(None, None),
+            KeyAction::SceneCamera => self.editing.moved = None,
+            KeyAction::Frame => self.frame_selection()?,
+            KeyAction::Nudge(by) => {
+                let moved = self.editing.selection.moved(by);
+                let (item, now) = moved.ok_or("nothing is selected that has a place to change")?;
+                return Ok((self.change(item, &[now])?, true));
+            }
+            _ => return Err("this page does not do that".to_owned()),
+        }
+        Ok((Vec::new(), false))
+    }
+
+    /// Takes hold of the handle at a place of the picture, if there is one.
+    fn grab(&mut self, from: [f32; 2]) -> Result<(), String> {
+        let session = self.session.as_ref().ok_or("no picture is shown")?;
+        let size = page::points(session.renderer().targets().size);
+        let camera = camera_of(session).ok_or("no camera shows the scene")?;
+        let selection = &mut self.editing.selection;
+        let handles = selection.handles(camera, size);
+        let axis = handles.and_then(|handles| handles.axis_at(Vec2::from(from) * size));
+        let grabbed = handles.zip(axis);
+        self.editing.has_grip =
+            grabbed.is_some_and(|(handles, axis)| selection.grab(&handles, axis));
+        Ok(())
+    }
+
+    fn drag_handle(&mut self, from: [f32; 2], to: [f32; 2]) -> Result<Vec<Change>, String> {
+        let session = self.session.as_ref().ok_or("no picture is shown")?;
+        let size = page::points(session.renderer().targets().size);
+        let by = (Vec2::from(to) - Vec2::from(from))
+            .clamp(Vec2::splat(-MOST_DRAG), Vec2::splat(MOST_DRAG));
+        let moved = self.editing.selection.drag_by(by * size);
+        let changed = moved.map_or(Ok(Vec::new()), |(item, now)| self.change(item, &[now]));
+        if changed.is_err() {
+            self.editing.selection.forget_drag();
+        }
+        changed
+    }
+
+    /// Ends a drag of a handle, or else a move of the camera.
+    fn let_go(&mut self) -> Result<Done, String> {
+        let moved = self.editing.moved.take();
+        if std::mem::take(&mut self.editing.has_grip) {
+            let dragged = self.editing.selection.let_go();
+            let changed = dragged.map_or(Ok(Vec::new()), |(item, now)| self.change(item, &[now]));
+            return Ok((changed?, true));
+        }
+        let (Some(moved), Some(session)) = (moved, &self.session) else {
+            return Ok((Vec::new(), true));
+        };
+        let mut cameras = session.scene().scene.desc.cameras.iter();
+        let index = cameras.position(|it| it.name == moved.name);
+        let item = SceneItem::Camera(index.ok_or("the text has no such camera")?);
+        let changed = self.change(item, &moved.controls.moved_from(&moved.start))?;
+        Ok((changed, true))
+    }
+
+    /// Moves the shown camera, which the next pictures see elsewhere.
+    fn move_camera(&mut self, by: impl FnOnce(&mut CameraControls) -> bool) -> Result<(), String> {
+        let session = self.session.as_ref().ok_or("no picture is shown")?;
+        let own = own_camera(session);
+        let (name, camera) =
+            own.ok_or("motion, a script or a parent places this camera: change it in the text")?;
+        let moved = self.editing.moved.take().filter(|moved| moved.name == name);
+        let mut moved = moved.unwrap_or_else(|| Moved {
+            name: name.to_owned(),
+            start: camera.clone(),
+            controls: CameraControls::new(camera.clone(), &session.scene().world.bounds()),
+        });
+        if by(&mut moved.controls) {
+            self.editing.moved = Some(moved);
+        }
+        Ok(())
+    }
+
+    /// Moves the camera until it sees the selected item, or the scene.
+    fn frame_selection(&mut self) -> Result<(), String> {
+        let session = self.session.as_ref().ok_or("no picture is shown")?;
+        let world = &session.scene().world;
+        let item = self.editing.item.as_ref();
+        let index = item.and_then(|(item, _)| item.instance_in(world));
+        let bounds = match index {
+            Some(index) => world.bounds_of(&world.instances[index]),
+            None => world.bounds(),
+        };
+        let [width, height] = session.renderer().targets().size.map(|side| side as f32);
+        self.move_camera(|camera| {
+            camera.frame(&bounds, width / height);
+            true
+        })
     }
 
     /// Overrides without the camera that a drag has moved, which is about to be written.
@@ -274,7 +327,7 @@ impl Shown {
         }
     }
 
-    fn change(&self, item: SceneItem, numbers: &Numbers) -> Result<Change, String> {
+    fn change(&self, item: SceneItem, numbers: &[Numbers]) -> Result<Vec<Change>, String> {
         let session = self.session.as_ref().ok_or("no picture is shown")?;
         change(&self.layered(session), item, numbers)
     }

@@ -28,13 +28,13 @@ use serde_json::{Value, json};
 use wasm_bindgen::prelude::wasm_bindgen;
 
 use bench::Measurement;
-use editing::Editing;
+use editing::{Editing, own_camera};
 use reflet_base::{clock::Instant, files::in_memory};
 use reflet_gpu::{Gpu, GpuError, GpuOptions};
 use reflet_lsp::{Server, quick_fix, range};
 use reflet_render::{
     Picture, PictureRequest, SoFar,
-    picture::aov::Aov,
+    picture::{aov::Aov, aov_view},
     runtime::{
         InitialBuild, SceneSource, Session, SessionError, ViewOverrides, find_aovs,
         parameters::ParameterOverrides,
@@ -48,9 +48,12 @@ use reflet_scene::{
     desc::Method,
     diagnostic::{Diagnostic, at_most},
     project::{self, ProjectChoice},
-    syntax::key_text,
 };
-use reflet_write_back::{exact, list};
+use reflet_write_back::{
+    page,
+    presses::KeyAction,
+    view_channel::{ViewChannel, aov_legend, ray_order},
+};
 use saving::Saving;
 
 /// Time between two pictures of some samples.
@@ -113,8 +116,8 @@ struct Asked {
     camera: Option<String>,
     /// Name of the reflection method.
     method: Option<String>,
-    /// Camera that stands elsewhere than its text says, and its place.
-    moved: Option<(String, [f32; 3])>,
+    /// Name of the displayed channel; without it the picture.
+    channel: Option<String>,
     /// The rest is as the manifest of a pack has it.
     set: Vec<String>,
     variant: Vec<String>,
@@ -130,8 +133,8 @@ impl Asked {
         serde_json::from_str(json).expect("the worker writes it")
     }
 
-    fn source(self) -> SceneSource {
-        let moved = self.moved.map(|(camera, eye)| dragged(&camera, eye));
+    /// Source of the scene, with overrides of a camera that was moved.
+    fn source(self, moved: Vec<String>) -> SceneSource {
         let project = self.project.map(|folder| folder.join(project::FILE));
         SceneSource {
             path: Some(self.scene),
@@ -150,11 +153,6 @@ impl Asked {
     }
 }
 
-/// Override of the place of a camera.
-fn dragged(camera: &str, eye: [f32; 3]) -> String {
-    format!("camera.{}.eye={}", key_text(camera), list(&eye.map(exact)))
-}
-
 /// The open device and scene.
 #[derive(Default)]
 struct Shown {
@@ -166,6 +164,8 @@ struct Shown {
     is_open: bool,
     /// Whether the device holds a picture of it, perhaps of few samples.
     is_drawn: bool,
+    /// Pixels of the displayed channel and its legend; none where the picture itself is displayed.
+    channel: Option<(Vec<u8>, String)>,
     editing: Editing,
 }
 
@@ -200,7 +200,7 @@ pub fn missing() -> String {
 /// Messages about the text and script of a scene, as JSON.
 #[wasm_bindgen]
 pub fn check(asked: &str) -> String {
-    let text = Asked::new(asked).source().read();
+    let text = Asked::new(asked).source(Vec::new()).read();
     let opened = text.and_then(|text| text.open(&[], &Dependencies::default()));
     let found = opened.map_or_else(|errors| errors, |opened| opened.warnings);
     json!(messages(found)).to_string()
@@ -266,25 +266,36 @@ pub fn show() {
     });
 }
 
-/// Answer of the last call of [`editing::act`], `changes` of texts, whether an input `writes`, that is, is over, or an `error`; or
+/// Answer of the last call of [`editing::act`], `changes` of texts, whether an input `writes`, that is, is over, and whether the camera
+/// `moves`, or an `error`; or
 /// of the last call of [`show`], as JSON: `messages` with `width`, `height`, `adapter` and `frame` of the picture, names of `aovs`,
-/// the `timeline`, first frame, last frame and frames in a second, and the `camera`, its name, `eye`, `target` and `up`, where it
-/// stands as its text says, all `cameras` and `methods`, and the `method` and `samples` of the picture, or with none of these; an `error` of the device, which
-/// may be `lost`, or of a name of an `unknown` camera or method; or `interrupted`, and whether the scene is `open` then.
+/// the `timeline`, first frame, last frame and frames in a second, whether its camera `moves`, that is, stands as its text says, all
+/// `cameras`, `methods` and `channels`, and the `method` and `samples` of the picture and the `legend` of its channel, or with none of
+/// these; an `error` of the device, which may be `lost`, or of a name of an `unknown` camera, method or channel; or `interrupted`, and whether the scene is `open` then.
 #[wasm_bindgen]
 pub fn answer() -> String {
     STATE.with_borrow(|state| state.answer.to_string())
 }
 
-/// Pixels of the last picture, RGBA.
+/// Pixels of the last picture or of its displayed channel, RGBA.
 #[wasm_bindgen]
 pub fn pixels() -> Vec<u8> {
     STATE.with_borrow(|state| {
-        state
-            .picture
-            .as_ref()
-            .map_or_else(Vec::new, |p| p.display.clone())
+        let channel = state.shown.channel.as_ref().map(|(pixels, _)| pixels);
+        let display = state.picture.as_ref().map(|picture| &picture.display);
+        channel.or(display).cloned().unwrap_or_default()
     })
+}
+
+/// Presses that the page understands, with their actions, and rows of its `help`, as JSON. The editor finds its undo itself.
+#[wasm_bindgen]
+pub fn keys() -> String {
+    use KeyAction::{Close, Compare, Copy, Record, SafeArea, Undo};
+    page::keys(
+        &[Copy, Compare, SafeArea, Close, Record],
+        &[Undo(false), Undo(true)],
+    )
+    .to_string()
 }
 
 impl Shown {
@@ -308,7 +319,13 @@ impl Shown {
     ) -> Result<Picture, SessionError> {
         let (none, texts) = (ParameterOverrides::default(), Dependencies::default());
         let (width, frame) = (asked.width, asked.frame);
-        let method = asked.method.as_deref().map(method_named).transpose()?;
+        let method = (asked.method.as_deref())
+            .map(|name| named("method", name, page::methods(), |it| it.name()))
+            .transpose()?;
+        let channel = (asked.channel.as_deref())
+            .map(|name| named("channel", name, ViewChannel::of_frames(), |it| it.name()))
+            .transpose()?;
+        let channel = channel.filter(|channel| *channel != ViewChannel::Picture);
         let mut view = ViewOverrides {
             method,
             samples: asked.samples,
@@ -318,14 +335,17 @@ impl Shown {
         let aovs = asked.aovs.clone();
         (self.is_open, self.is_drawn) = (false, false);
         self.set.clone_from(&asked.set);
-        let source = asked.source();
+        let is_same = (self.session.as_ref())
+            .is_some_and(|open| open.source().path.as_ref() == Some(&asked.scene));
+        let moved = match is_same {
+            true => self.editing.overrides(),
+            false => Vec::new(),
+        };
+        let source = asked.source(moved);
         let read = read(&source, &none, &texts, frame)?;
         view.size = size(&read, width);
         let gpu = self.device(interrupt)?;
-        let same = self
-            .session
-            .take()
-            .filter(|open| open.source().path == source.path);
+        let same = self.session.take().filter(|_| is_same);
         if same.is_none() {
             self.editing = Editing::default();
         }
@@ -348,11 +368,15 @@ impl Shown {
         session.camera_named(session.view().camera.as_deref())?;
         let world = &session.scene().world;
         let aovs = aovs.iter().map(|name| find_aovs(name, world));
-        let aovs = aovs.collect::<Result<Vec<_>, _>>()?.concat();
+        let mut aovs = aovs.collect::<Result<Vec<_>, _>>()?.concat();
+        if let Some(ViewChannel::Aov(aov)) = channel {
+            aovs.push(aov);
+        }
         let (told, is_drawn) = (Cell::new(Instant::now()), Cell::new(false));
         let each_sample = |so_far: &SoFar<'_>| {
             is_drawn.set(true);
-            if so_far.done < so_far.samples && told.get().elapsed() > EACH_PART {
+            let has_parts = channel.is_none() && so_far.done < so_far.samples;
+            if has_parts && told.get().elapsed() > EACH_PART {
                 let part = so_far.picture()?;
                 let [width, height] = part.size;
                 tell_part(so_far.done, so_far.samples, width, height, part.display);
@@ -368,7 +392,19 @@ impl Shown {
         let picture = session.begin(request);
         let picture = picture.and_then(|begun| begun.take(&gpu));
         self.is_drawn = is_drawn.get();
-        Ok(picture?)
+        let picture = picture?;
+        self.channel = match channel {
+            Some(ViewChannel::Aov(aov)) => picture
+                .planes
+                .last()
+                .map(|plane| (aov_view::view(plane), aov_legend(aov, plane))),
+            Some(ViewChannel::Rays) => {
+                let rays = session.renderer().ray_list(&gpu)?;
+                Some(ray_order(picture.size, rays, &picture.display))
+            }
+            _ => None,
+        };
+        Ok(picture)
     }
 
     fn answer(&self, picture: &Picture) -> Value {
@@ -376,15 +412,6 @@ impl Shown {
         let found = session.map_or_else(Vec::new, |session| session.warnings().to_vec());
         let adapter = self.gpu.as_ref().map(|gpu| &gpu.adapter_info.name);
         let loaded = session.map(Session::scene);
-        let camera = session.and_then(|session| {
-            let loaded = session.scene();
-            let shown = loaded.world.cameras.get(session.camera())?;
-            let own = (loaded.scene.cameras.iter()).find(|own| own.name == shown.name)?;
-            let it = &shown.value;
-            let is_own = own.value.eye == it.eye && own.value.target == it.target;
-            let [eye, target, up] = [it.eye, it.target, it.up].map(|it| it.to_array());
-            is_own.then_some((&shown.name, eye, target, up))
-        });
         let time = loaded.and_then(|loaded| loaded.scene.timeline.as_ref());
         json!({
             "messages": messages(found),
@@ -392,9 +419,11 @@ impl Shown {
             "width": picture.size[0],
             "height": picture.size[1],
             "adapter": adapter,
-            "camera": camera,
+            "moves": session.is_some_and(|session| own_camera(session).is_some()),
             "cameras": loaded.map(|loaded| loaded.world.cameras.iter().map(|it| &it.name).collect::<Vec<_>>()),
-            "methods": Method::ALL.map(Method::name),
+            "methods": page::methods().map(Method::name).collect::<Vec<_>>(),
+            "channels": ViewChannel::of_frames().map(ViewChannel::name).collect::<Vec<_>>(),
+            "legend": self.channel.as_ref().map(|(_, legend)| legend),
             "method": session.map(|session| session.renderer().method().name()),
             "samples": picture.stats.samples,
             "aovs": loaded.map(|loaded| Aov::names_in(&loaded.world)),
@@ -404,13 +433,22 @@ impl Shown {
     }
 }
 
-/// Reflection method of this name.
-fn method_named(name: &str) -> Result<Method, SessionError> {
-    Method::from_name(name).ok_or_else(|| SessionError::UnknownName {
-        kind: "method",
-        name: name.to_owned(),
-        known: Method::ALL.map(|known| known.name().to_owned()).to_vec(),
-    })
+/// The method or channel of this name.
+fn named<T>(
+    kind: &'static str,
+    name: &str,
+    all: impl Iterator<Item = T>,
+    name_of: fn(&T) -> &'static str,
+) -> Result<T, SessionError> {
+    let mut known = Vec::new();
+    for own in all {
+        if name_of(&own) == name {
+            return Ok(own);
+        }
+        known.push(name_of(&own).to_owned());
+    }
+    let name = name.to_owned();
+    Err(SessionError::UnknownName { kind, name, known })
 }
 
 /// Size of a picture of this width and the scene's shape; `None` for the scene's own size.

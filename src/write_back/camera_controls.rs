@@ -4,8 +4,12 @@ use std::fmt::Write as _;
 
 use glam::{Quat, Vec2, Vec3};
 
+use super::{Numbers, inspect::fields};
 use reflet_base::math::Bounds;
-use reflet_scene::{desc::CameraDesc, syntax::key_text};
+use reflet_scene::{
+    desc::{CAMERA, CameraDesc},
+    syntax::key_text,
+};
 
 /// Minimum angle between the view direction and straight up or down, radians.
 const POLE: f32 = 0.02;
@@ -13,6 +17,9 @@ const POLE: f32 = 0.02;
 const TURN: f32 = std::f32::consts::PI;
 /// Fraction of the distance to the target per notch of the wheel.
 const NOTCH: f32 = 0.12;
+
+/// Keys of cameras that moves change.
+const MOVED_KEYS: [&str; 3] = ["eye", "target", "orthographic_height_m"];
 
 /// A camera moved by the user.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,6 +41,14 @@ impl CameraControls {
             speed_m: scale_m / 8.0,
             scale_m,
         }
+    }
+
+    /// Numbers that its moves have changed since it was at `start`.
+    pub fn moved_from(&self, start: &CameraDesc) -> Vec<Numbers> {
+        let [before, now] = [start, &self.camera].map(|camera| fields(camera, &CAMERA));
+        let is_moved =
+            |number: &Numbers| MOVED_KEYS.contains(&number.key) && !before.contains(number);
+        now.into_iter().filter(is_moved).collect()
     }
 
     /// Adopts the size of a reloaded scene; camera and speed stay.
@@ -276,6 +291,21 @@ mod tests {
         assert!((nav.camera.eye.distance(eye) - 0.5 * nav.speed_m).abs() < 1e-4);
         nav.change_speed(1e6);
         assert!(nav.speed_m.is_finite());
+    }
+
+    #[test]
+    fn moved_numbers_alone_are_told() {
+        let mut nav = camera_controls();
+        let start = nav.camera.clone();
+        assert_eq!(nav.moved_from(&start), []);
+        let mut keys_after = |by: fn(&mut CameraControls)| {
+            by(&mut nav);
+            let moved = nav.moved_from(&start).into_iter();
+            moved.map(|number| number.key).collect::<Vec<_>>()
+        };
+        assert_eq!(keys_after(|nav| nav.dolly(1.0)), ["eye"]);
+        let pan = |nav: &mut CameraControls| nav.pan(Vec2::new(0.1, 0.0));
+        assert_eq!(keys_after(pan), ["eye", "target"]);
     }
 
     #[test]

@@ -165,7 +165,7 @@ pub fn numbers_of(form: Form, value: Vec3) -> Vec<f64> {
 }
 
 /// Editable fields of a light, a camera or the environment.
-fn fields<T>(of: &T, fields: &[Field<T>]) -> Vec<Numbers> {
+pub(super) fn fields<T>(of: &T, fields: &[Field<T>]) -> Vec<Numbers> {
     let one = |field: &Field<T>| {
         Some(Numbers {
             key: field.key,

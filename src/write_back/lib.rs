@@ -138,20 +138,11 @@ fn value_of<T>(fields: &'static [Field<T>], numbers: &Numbers) -> Value {
     }
 }
 
-/// Change of the text that contains a key of an item.
-///
-/// # Errors
-/// Sentence with the reason why it cannot be written.
-pub fn change(scene: &Layered<'_>, item: SceneItem, numbers: &Numbers) -> Result<Change, String> {
-    let (place, key, value) = written(scene, item, numbers)?;
-    Ok(changed(&place, place.put(key, &value)?))
-}
-
 /// Changes of the texts that contain keys of an item, one for each text.
 ///
 /// # Errors
-/// Same errors as [`change`].
-pub fn change_all(
+/// Sentence with the reason why one cannot be written.
+pub fn change(
     scene: &Layered<'_>,
     item: SceneItem,
     all: &[Numbers],

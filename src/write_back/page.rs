@@ -25,19 +25,24 @@ use reflet_scene::{
     range::{LIMIT, Range},
 };
 
+/// Names and texts of files beside this one.
+macro_rules! files {
+    ($($name:literal,)*) => { [$(($name, include_str!(concat!("page/", $name)))),*] };
+}
+
 /// Files of pages of a view, each with its name in the folder of a page and its text.
-pub const FILES: [(&str, &str); 10] = [
-    ("choices.js", include_str!("page/choices.js")),
-    ("handles.js", include_str!("page/handles.js")),
-    ("keyboard.js", include_str!("page/keyboard.js")),
-    ("keys.js", include_str!("page/keys.js")),
-    ("numbers.js", include_str!("page/numbers.js")),
-    ("panels.js", include_str!("page/panels.js")),
-    ("picture.js", include_str!("page/picture.js")),
-    ("pointer.js", include_str!("page/pointer.js")),
-    ("style.css", include_str!("page/style.css")),
-    ("timeline.js", include_str!("page/timeline.js")),
-];
+pub const FILES: [(&str, &str); 10] = files!(
+    "choices.js",
+    "handles.js",
+    "keyboard.js",
+    "keys.js",
+    "numbers.js",
+    "panels.js",
+    "picture.js",
+    "pointer.js",
+    "style.css",
+    "timeline.js",
+);
 
 /// Height of the picture in points, in which handles have their length.
 const HEIGHT: f32 = 600.0;

@@ -148,8 +148,22 @@ pub fn ray_order(size: [u32; 2], rays: Option<Vec<[u32; 2]>>, display: &[u8]) ->
         ),
         None => "no ray list: this method traces nothing, or nothing reflects".to_owned(),
     };
+    let dim = |texel: &[u8]| {
+        let rgb = [0, 1, 2].map(|i| f32::from(texel[i]));
+        let gray = (DIMMED * LUMINANCE.dot(rgb.into())) as u8;
+        [gray, gray, gray, 255]
+    };
+    let mut rgba: Vec<u8> = display.chunks_exact(4).flat_map(dim).collect();
     let rays = rays.unwrap_or_default();
-    (ray_order_image(size, &rays, display), legend)
+    let last = rays.len().saturating_sub(1).max(1) as f32;
+    for (index, [x, y]) in rays.iter().enumerate() {
+        let color = magma(FIRST_RAY_VALUE + (1.0 - FIRST_RAY_VALUE) * index as f32 / last);
+        let at = 4 * (y * size[0] + x) as usize;
+        if let Some(texel) = rgba.get_mut(at..at + 3) {
+            texel.copy_from_slice(&color);
+        }
+    }
+    (rgba, legend)
 }
 
 /// Color of a value from 0 to 1, between the nearest two of [`MAGMA`].
@@ -161,25 +175,6 @@ fn magma(value: f32) -> [u8; 3] {
         (low + (high - low) * (at - below as f32)).round() as u8
     };
     [0, 1, 2].map(between)
-}
-
-/// The picture, dim and gray, with the traced pixels colored by their index in the list.
-fn ray_order_image(size: [u32; 2], rays: &[[u32; 2]], display: &[u8]) -> Vec<u8> {
-    let dim = |texel: &[u8]| {
-        let rgb = [0, 1, 2].map(|i| f32::from(texel[i]));
-        let gray = (DIMMED * LUMINANCE.dot(rgb.into())) as u8;
-        [gray, gray, gray, 255]
-    };
-    let mut rgba: Vec<u8> = display.chunks_exact(4).flat_map(dim).collect();
-    let last = rays.len().saturating_sub(1).max(1) as f32;
-    for (index, [x, y]) in rays.iter().enumerate() {
-        let color = magma(FIRST_RAY_VALUE + (1.0 - FIRST_RAY_VALUE) * index as f32 / last);
-        let at = 4 * (y * size[0] + x) as usize;
-        if let Some(texel) = rgba.get_mut(at..at + 3) {
-            texel.copy_from_slice(&color);
-        }
-    }
-    rgba
 }
 
 #[cfg(test)]
@@ -226,7 +221,7 @@ mod tests {
     #[test]
     fn ray_order_image_shades_pixels_by_list_position() {
         let display = vec![200; 4 * 12];
-        let rgba = ray_order_image([4, 3], &[[3, 1], [0, 2], [1, 0]], &display);
+        let (rgba, _) = ray_order([4, 3], Some(vec![[3, 1], [0, 2], [1, 0]]), &display);
         let sum = |x: usize, y: usize| -> u32 {
             let at = 4 * (4 * y + x);
             rgba[at..at + 3].iter().map(|v| u32::from(*v)).sum()

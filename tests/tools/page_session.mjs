@@ -1,7 +1,7 @@
 // A viewer's session in a real browser: opens the page of `reflet preview --serve`, orbits, scrubs, drags a parameter,
 // selects, wipes in a second window, breaks and mends the scene, whose file is named.
 import { readFileSync, writeFileSync } from "node:fs";
-import { address, launch, place as scenePath, step } from "./session.mjs";
+import { address, ends, launch, place as scenePath, step, written } from "./session.mjs";
 
 const PATIENCE_MS = 60_000;
 const browser = await launch("--disable-gpu");
@@ -18,16 +18,18 @@ const requests = [];
 page.on("request", (request) => requests.push(request.url()));
 
 const pixels = () => page.evaluate(() => document.getElementById("picture").toDataURL());
-// Waits for a lossless picture that stays for half a second, so that no picture of an earlier action follows.
-const still = async () => {
-  let shown;
-  do {
-    await page.waitForFunction(() => document.getElementById("picture").dataset.kind === "png");
-    shown = await pixels();
+// Waits for a value that stays for half a second.
+const staying = async (read) => {
+  for (let [last, now] = [null, await read()]; ; [last, now] = [now, await read()]) {
+    if (`${now}` === `${last}`) return now;
     await page.waitForTimeout(500);
-  } while (shown !== await pixels());
-  return shown;
+  }
 };
+// Waits for a lossless picture that stays, so that no picture of an earlier action follows.
+const still = () => staying(async () => {
+  await page.waitForFunction(() => document.getElementById("picture").dataset.kind === "png");
+  return pixels();
+});
 // Waits until the picture is not this one any more, and stays.
 const changed = async (before, what) => {
   await page.waitForFunction((was) => document.getElementById("picture").toDataURL() !== was, before)
@@ -68,12 +70,11 @@ await page.keyboard.press("h");
 await page.locator("#help td", { hasText: "W A S D" }).waitFor();
 await page.keyboard.press("h");
 if (await page.title() !== "scene \u2013 Reflet") throw new Error(`the title is ${await page.title()}`);
-for (const [key, frame] of [["Home", "0"], ["End", "9"]]) {
-  await page.keyboard.press(key);
-  await page.waitForFunction((told) => document.getElementById("told").textContent.startsWith(`${told} of`), frame);
+const scrub = () => page.locator("#frame").fill("7");
+for (const [act, frame] of [[() => page.keyboard.press("Home"), 0], [() => page.keyboard.press("End"), 9], [scrub, 7]]) {
+  await act();
+  await page.locator("#told", { hasText: `${frame} of` }).waitFor();
 }
-await page.locator("#frame").fill("7");
-await page.waitForFunction(() => document.getElementById("told").textContent.startsWith("7 of"));
 shown = await changed(shown, "scrubbing");
 step("scrubbed");
 
@@ -81,14 +82,7 @@ const parameter = page.locator("#parameters input").first();
 await parameter.fill("1.5");
 await parameter.press("Enter");
 await changed(shown, "the parameter");
-// Waits until the scene's text has this.
-const saved = async (part, is_there = true) => {
-  const until = Date.now() + PATIENCE_MS;
-  while (readFileSync(scenePath, "utf8").includes(part) !== is_there) {
-    if (Date.now() > until) throw new Error(`${part} ${is_there ? "was not" : "is still"} written in the scene: ${readFileSync(scenePath, "utf8")}`);
-    await page.waitForTimeout(20);
-  }
-};
+const saved = (part, is_there = true) => written(scenePath, (text) => text.includes(part) === is_there);
 await saved("height = 1.5");
 step("written");
 
@@ -138,13 +132,8 @@ for (const does of ["hide", "hide", "solo", "solo"]) {
 }
 await page.mouse.click(x - 0.157 * box.height, y + 0.067 * box.height);
 await page.waitForFunction(() => document.getElementById("label").textContent.includes("decal sign"));
-const ends = (viewer = page) => viewer.evaluate(() => {
-  const { left, top } = document.getElementById("handles").getBoundingClientRect();
-  const lines = [...document.querySelectorAll("#handles line[stroke-width='2']")];
-  return lines.map(({ x2, y2 }) => [left + x2.baseVal.value, top + y2.baseVal.value]);
-});
 const pull = async (axis, by, held = async () => {}) => {
-  await hold(page, (await ends())[axis], by);
+  await hold(page, (await ends(page))[axis], by);
   await held();
   await page.mouse.up();
 };
@@ -156,7 +145,7 @@ const leaver = await viewer_page(900);
 await leaver.goto(address);
 for (const viewer of [page, leaver]) await viewer.waitForFunction(() => document.querySelectorAll("#handles line").length === 15);
 shown = await still();
-await hold(leaver, (await ends())[0], [40, 0]);
+await hold(leaver, (await ends(page))[0], [40, 0]);
 await at_rest(page, false);
 // So does one who leaves while a parameter and a number of a material are changed.
 const inputs = { "#parameters input": ["1.2", "1.5"], "#material input[name=roughness]": ["0.8", "0.25"] };
@@ -200,13 +189,7 @@ for (const viewer of [page, rival]) {
   await at_rest(viewer, true); // the undone drag is shown
 }
 // Place of the first handle, once a page has drawn it twice where it is.
-const resting = async (viewer) => {
-  for (;;) {
-    const place = (await ends(viewer))[0];
-    await viewer.waitForTimeout(300);
-    if (`${place}` === `${(await ends(viewer))[0]}`) return place;
-  }
-};
+const resting = (viewer) => staying(async () => (await ends(viewer))[0]);
 const [here_x, here_y] = await resting(page);
 await hold(page, [here_x, here_y], [30, 0], 3);
 await at_rest(rival, false);

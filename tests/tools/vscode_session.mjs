@@ -3,21 +3,14 @@
 // The folder is the project's; where a step fails, a screenshot is left in it.
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
-import { address, launch, place as folder, step } from "./session.mjs";
+import { address, launch, place as folder, step, written } from "./session.mjs";
 
 const PATIENCE_MS = 60_000;
 const browser = await launch("--disable-gpu");
 const page = await browser.newPage({ viewport: { width: 1400, height: 900 } });
 page.setDefaultTimeout(PATIENCE_MS);
 
-// Waits until the text of a file of the project is as wanted.
-const saved = async (name, holds) => {
-  const until = Date.now() + PATIENCE_MS;
-  while (!holds(readFileSync(join(folder, name), "utf8"))) {
-    if (Date.now() > until) throw new Error(`${name}: ${readFileSync(join(folder, name), "utf8")}`);
-    await page.waitForTimeout(50);
-  }
-};
+const saved = (name, holds) => written(join(folder, name), holds);
 const quickInput = page.locator(".quick-input-widget");
 // Chooses in the box that these keys open.
 const choose = async (keys, words) => {

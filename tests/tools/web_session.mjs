@@ -3,7 +3,7 @@
 // told. The folder is for pictures.
 import { mkdirSync, readdirSync, readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
-import { address, launch, place as folder, step } from "./session.mjs";
+import { address, ends, launch, place as folder, step } from "./session.mjs";
 
 const PNG = Buffer.from("iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg==", "base64");
 const PATIENCE_MS = 240_000;
@@ -32,6 +32,8 @@ const status = (page, pattern) => page.waitForFunction(
   (source) => new RegExp(source).test(document.getElementById("status").textContent), pattern.source);
 const picture = (page) => page.evaluate(() => document.getElementById("stage").canvas.toDataURL());
 const value = (page) => page.evaluate(() => document.getElementById("text").value);
+const has = (page, part, is_so = true) => page.waitForFunction(
+  ([part, is_so]) => document.getElementById("text").value.includes(part) === is_so, [part, is_so]);
 // Waits for the picture of what is written now.
 const shown = (page) => status(page, /^160 × 90 in /);
 // Writes, and waits for the messages, which come before the picture: a status that is told later is of this text.
@@ -60,12 +62,11 @@ if (selected !== "roughnes") throw new Error(`a click selects ${selected}`);
 step("told");
 
 // Its advice is written by the key at the caret, and by the button.
-const mended = () => page.waitForFunction(() => document.getElementById("text").value.includes("roughness = 0.35"));
 await page.locator("#text").press("Control+.");
-await mended();
+await has(page, "roughness = 0.35");
 await page.locator("#text").press("Control+z");
 await page.click("#messages .fix");
-await mended();
+await has(page, "roughness = 0.35");
 await shown(page);
 if (await picture(page) !== first) throw new Error("the mended scene looks different");
 step("shown");
@@ -128,33 +129,31 @@ if (await picture(page) === first) throw new Error("a changed color changes noth
 step("changed");
 
 // A timeline has a slider, which is played from its end on.
-const told_frame = (text) => page.waitForFunction((begin) => document.getElementById("stage").told.textContent.startsWith(begin), text);
+const told_frame = (text) => page.locator("#told", { hasText: text }).waitFor();
 const motion = "[timeline]\\nfps = 4\\nend = 3\\n[motion.camera.main]\\nfov_deg = { keys = [{ at_s = 0, value = 55 }, { at_s = 1, value = 80 }] }\\n";
 await write(page, `text + '\\n${motion}'`);
 await told_frame("0 of 3");
 const still = await picture(page);
-const seek = (value) => page.evaluate((frame) => Object.assign(document.getElementById("stage").slider, frame).dispatchEvent(new Event("input")), { value });
-await seek(3);
+await page.locator("#frame").fill("3");
 await told_frame("3 of 3");
 if (await picture(page) === still) throw new Error("the last frame looks like the first");
 await page.click("#play");
 await told_frame("2 of 3");
 await page.click("#play");
 // A key of the camera's track is added at the shown frame, moved by its time, and deleted.
-const keys = async (count, frame = "") => {
-  await page.waitForFunction(([count, frame]) => document.querySelectorAll("#tracks .key").length === count
-    && document.getElementById("stage").told.textContent.startsWith(frame), [count, frame]);
-};
-await seek(1);
-await keys(2, "1 of 3");
+const keys = (count) => page.waitForFunction((count) => document.querySelectorAll("#tracks .key").length === count, count);
+await page.locator("#frame").fill("1");
+await told_frame("1 of 3");
+await keys(2);
 await page.click("#tracks .track > button");
 await keys(3);
 await page.locator("#tracks .key").nth(1).click();
 await page.fill("#key-time", "2");
 await page.press("#key-time", "Enter");
-await page.waitForFunction(() => document.getElementById("text").value.includes("at_s = 0.5"));
+await has(page, "at_s = 0.5");
 await page.locator('#tracks [aria-label="fov_deg at 0.500 s"]').click();
-await keys(3, "2 of 3");
+await told_frame("2 of 3");
+await keys(3);
 await page.screenshot({ path: join(folder, "keys.png") });
 await page.keyboard.press("Delete");
 await keys(2);
@@ -168,30 +167,43 @@ step("played");
 
 // The view's method and samples are chosen beside the text, which stays.
 const unchosen = await value(page);
-await page.selectOption("#method", "path");
-await page.selectOption("#samples", "4");
-await status(page, /4 samples by path,/);
-await page.selectOption("#method", "as written");
-await page.selectOption("#samples", "as written");
-await status(page, /by rt,|by hybrid,/);
+for (const [method, samples, told] of [["path", "4", /4 samples by path,/], ["(as written)", "as written", /by rt,|by hybrid,/]]) {
+  await page.selectOption("#method0", method);
+  await page.selectOption("#samples", samples);
+  await status(page, told);
+}
+// Depths beside normals: the sides of a wipe, each with the legend of its colors, and a white line between them.
+const stage = page.locator("#stage");
+await page.selectOption("#channel0", "depth");
+await stage.press("b");
+await page.selectOption("#channel1", "normal");
+await page.locator("#legend", { hasText: /^(rt|hybrid): white: .* m.*\n(rt|hybrid): red, green, blue/ }).waitFor();
+await page.waitForFunction(() => document.getElementById("stage").canvas.getContext("2d").getImageData(79, 45, 2, 1).data.every((lane) => lane === 255));
+await page.screenshot({ path: join(folder, "wipe.png") });
+await stage.press("b");
+await page.selectOption("#channel0", "picture");
+await page.locator("#legend:empty").waitFor({ state: "attached" });
 if (await value(page) !== unchosen) throw new Error("a choice of the view changes the text");
 step("chosen");
 
-// A drag of the picture moves the camera, whose place is written into the text where it ends; Ctrl Z takes it back.
+// A drag of the picture moves the camera, whose place is written into the text where it ends; so does a flight, by a key that the
+// list of keys has. Ctrl Z takes both back.
 const [eye] = (await value(page)).match(/eye = .*/);
 const box = await page.locator("#picture").boundingBox();
 const go = (right) => page.mouse.move(box.x + right, box.y + 40);
-for (const act of [() => go(40), () => page.mouse.down(), () => go(90), () => page.mouse.up()]) await act();
-const holds = (wanted) => page.waitForFunction(([text, wanted]) => document.getElementById("text").value.includes(text) === wanted, [eye, wanted]);
-await holds(false);
-await page.locator("#text").press("Control+z");
-await holds(true);
+const fly = [() => stage.press("h"), () => page.locator("#help td", { hasText: "W A S D" }).waitFor(), () => stage.press("h"), () => stage.press("w", { delay: 100 })];
+for (const acts of [[() => go(40), () => page.mouse.down(), () => go(90), () => page.mouse.up()], fly]) {
+  for (const act of acts) await act();
+  await has(page, eye, false);
+  await page.locator("#text").press("Control+z");
+  await has(page, eye);
+}
 step("orbited");
 
 // The outline and a click select. Numbers are written where an input ends, in their range; an empty field writes nothing.
 const click = (kind) => page.locator("#items button", { hasText: kind }).click();
 const labeled = (part) => page.waitForFunction((text) => document.getElementById("label").textContent.includes(text), part);
-const writes = async (part) => { await page.waitForFunction((text) => document.getElementById("text").value.includes(text), part); await shown(page); };
+const writes = async (part) => { await has(page, part); await shown(page); };
 const number = async (name, text) => {
   const field = page.locator(`input[type=number][name=${name}]`).first();
   await field.fill(text);
@@ -213,7 +225,7 @@ await writes("scale = [1.5, 1, 1]");
 if (!(await value(page)).includes("[0.5, 0.4, -0.3]")) throw new Error("the first of two edits is lost");
 for (const undone of ["scale = [1.5", "[0.5, 0.4", "roughness = 1\n"]) {
   await page.locator("#text").press("Control+z");
-  await page.waitForFunction((text) => !document.getElementById("text").value.includes(text), undone);
+  await has(page, undone, false);
 }
 if (await value(page) !== unselected) throw new Error("undo leaves another text");
 // A hidden thing is not seen, and the text stays.
@@ -231,11 +243,7 @@ step("edited");
 const place_of_ball = (is_own) => page.waitForFunction(
   (wanted) => (document.querySelector("#numbers input[name=translation]").value === "-0.3") === wanted, is_own);
 await place_of_ball(true);
-const [x2, y2] = await page.evaluate(() => {
-  const { left, top } = document.getElementById("handles").getBoundingClientRect();
-  const line = document.querySelector("#handles line");
-  return [left + line.x2.baseVal.value, top + line.y2.baseVal.value];
-});
+const [[x2, y2]] = await ends(page);
 for (const act of [() => page.mouse.move(x2, y2), () => page.mouse.down(), () => page.mouse.move(x2 + 40, y2)]) await act();
 await place_of_ball(false);
 if (await value(page) !== unselected) throw new Error("a drag is written before its end");
@@ -273,7 +281,7 @@ step("dropped");
 await save("pack.zip", "zip");
 const packed = await value(page);
 await page.evaluate(() => document.getElementById("stage").setAttribute("src", "scenes/cornell.toml"));
-await page.waitForFunction(() => !document.getElementById("text").value.includes("maps/dot.png"));
+await has(page, "maps/dot.png", false);
 await page.setInputFiles("#files", join(folder, "pack.zip"));
 await page.waitForFunction((text) => document.getElementById("text").value === text, packed);
 await shown(page);
@@ -313,7 +321,7 @@ await third.waitForFunction(() => document.querySelectorAll("#tabs button").leng
 await third.locator("#tabs button", { hasText: "reflet.toml" }).click();
 await write(third, "text.replace('output =', 'outpu =')");
 await third.click("#messages .fix");
-await third.waitForFunction(() => document.getElementById("text").value.includes("\noutput ="));
+await has(third, "\noutput =");
 await third.close();
 await other.press("#text", "Control+A");
 await other.locator("#text").pressSequentially(ball.toString().replace(/^material.*$/m, "material.paint = {}"));
@@ -346,7 +354,7 @@ const view = (at) => `document.querySelectorAll("reflet-view")[${at}]`;
 const until = (test) => host.waitForFunction(test, null, { timeout: PATIENCE_MS });
 await until(`${view(0)}.canvas.dataset.shown && (self.first = ${view(0)}.canvas.toDataURL())`);
 await until(`${view(0)}.canvas.toDataURL() !== self.first`);
-await until(`${view(1)}.told.textContent.startsWith("2 of 3") && ${view(1)}.files.has("reflet.toml") && !${view(1)}.status.textContent`);
+await until(`${view(1)}.time.told.textContent.startsWith("2 of 3") && ${view(1)}.files.has("reflet.toml") && !${view(1)}.status.textContent`);
 const [red, green] = await host.evaluate(`[...${view(1)}.canvas.getContext("2d").getImageData(32, 18, 1, 1).data]`);
 if (red <= green) throw new Error("the variant of the element is not shown");
 await until(`/none.toml cannot be loaded: /.test(${view(2)}.status.textContent)`);

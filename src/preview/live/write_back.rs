@@ -1,7 +1,7 @@
 //! Edits that are written into the scene's texts; the reload after the save shows them in the
 //! picture.
 
-use std::sync::Arc;
+use std::{slice::from_ref, sync::Arc};
 
 use super::{Live, Reload};
 use crate::write_back::{
@@ -104,8 +104,9 @@ impl Live {
     /// Sentence with the reason; then no file has changed.
     pub fn write(&mut self, item: SceneItem, numbers: &Numbers) -> Result<(), String> {
         self.check_text()?;
-        let changed = change(&self.layered(), item, numbers)?;
-        self.history.write(changed)
+        let changed = change(&self.layered(), item, from_ref(numbers))?;
+        let mut changed = changed.into_iter();
+        changed.try_for_each(|changed| self.history.write(changed))
     }
 
     /// Shows an item with other numbers during a drag: no text changes, and the next reload shows the written

@@ -1,15 +1,14 @@
 // The page: texts of a scene beside its picture, which the element `reflet-view` makes.
-import { begin_handles, place_in } from "./handles.js";
+import { begin_choices } from "./choices.js";
+import { begin_handles } from "./handles.js";
+import { begin_keyboard } from "./keyboard.js";
 import { begin_keys } from "./keys.js";
 import * as language from "./language.js";
-import { options, SAMPLES } from "./numbers.js";
 import { begin_panels } from "./panels.js";
 import { fromFragment, is_scene, toFragment } from "./share.js";
-import { work } from "./view.js";
+import { offer, work } from "./view.js";
 
 const [TYPING_MS, EXAMPLE] = [300, "scenes/mirrors.toml"];
-// Choices of the view, which the text is not told.
-const [CHOICES, AS_WRITTEN] = [["camera", "method", "samples"], "as written"];
 
 const get = (id) => document.getElementById(id);
 const [text, lines, messages, status, view] = ["text", "lines", "messages", "status", "stage"].map(get);
@@ -17,11 +16,11 @@ const { files } = view;
 view.edits = true;
 // Why the address that was opened holds no scene, until the text changes.
 let refusal = "";
+// Name of the shown scene in files.
+const stem = () => view.scene.replace(/^.*\/|\.\w+$/g, "");
 const tell = (words) => { status.textContent = refusal + words; };
 
 let [tab, timer] = ["", 0];
-// First and last frame of the shown scene, and frames a second.
-let timeline = null;
 
 // Messages at their lines, in the shown file or, by a click, in their own.
 let listed = "";
@@ -132,13 +131,10 @@ const heard = {
   },
   check: list,
   picture: (shown) => {
-    if (shown.width) timeline = shown.timeline;
     // A camera that has another name now: the text's own is shown.
     if (shown.unknown) view.removeAttribute(shown.unknown);
-    keys.paint();
-    for (const [id, names] of [["camera", shown.cameras], ["method", shown.methods]]) {
-      if (names) options(get(id), [AS_WRITTEN, ...names], view.getAttribute(id) ?? AS_WRITTEN);
-    }
+    tracks.paint();
+    choices.show(view.choices);
     const prints = (shown.log ?? []).map((line) => ({ severity: "print", text: line }));
     if (shown.messages) list([...shown.messages, ...prints]);
     get("save").disabled &&= !shown.width;
@@ -154,47 +150,29 @@ const heard = {
     focus.focus({ preventScroll: true });
     refusal = error ? `not written: ${error}; ` : "";
   },
-  panels: ({ tracks, handles: drawn, ...all }) => {
+  choice: () => choices.show(view.choices),
+  keys: (all) => keyboard.show(all),
+  panels: ({ tracks: found, handles: drawn, ...all }) => {
     for (const [name, shown] of Object.entries(all)) panels[name](shown);
     if (drawn) handles.show(drawn);
-    if (tracks) keys.show(tracks, false);
+    if (found) tracks.show(found, false);
   },
   saved: (name) => {
     get("save").textContent = "save";
     get("saving").open &&= !name;
   },
 };
-const act = (message) => {
-  view.act(message);
-  if (message.do === "hide") view.run(false);
-};
-const panels = begin_panels(get("panels"), act);
-const handles = begin_handles(view.canvas, get("handles"), act);
-const keys = begin_keys(get("keys"), {
-  send: (message) => message.do === "seek" ? view.seek(message.frame) : act(message),
-  scene: () => ({ timeline }),
-  frame: () => Number(view.slider.value),
+const send = (message) => view.send(message);
+const choices = begin_choices(get("view-choices"), send);
+const panels = begin_panels(get("panels"), send);
+const handles = begin_handles(view.canvas, get("handles"), send);
+const tracks = begin_keys(get("keys"), { send, scene: () => ({ timeline: view.timeline }), frame: () => view.frame });
+// Keys are for the picture where it has the focus, or nothing.
+const keyboard = begin_keyboard({
+  stage: view, send,
+  counts: (target) => target === document.body || target.getRootNode().host === view || target === view,
+  save: () => view.canvas.toBlob((png) => offer(png, `${stem()}.png`)),
 });
-// The drag of the handle at a place of the picture. Its steps are sent once for each picture of the screen.
-view.grab = (event) => {
-  const from = place_in(view.canvas, event);
-  if (!handles.holds(from)) return null;
-  let [to, start] = [null, true];
-  const send = () => {
-    if (to) act({ do: "drag", from, to, start });
-    [to, start] = [null, false];
-  };
-  return {
-    drag: (moved) => {
-      if (!to) requestAnimationFrame(send);
-      to = place_in(view.canvas, moved);
-    },
-    drop: () => {
-      send();
-      act({ do: "drop" });
-    },
-  };
-};
 for (const [kind, hear] of Object.entries(heard)) view.addEventListener(kind, ({ detail }) => hear(detail));
 language.begin({ view, tab: () => tab, work: (hear) => work(hear, tell), go_to, mend: mend_at_caret, tell });
 
@@ -261,17 +239,12 @@ text.oninput = () => {
 text.onscroll = () => { lines.scrollTop = text.scrollTop; };
 get("new").onclick = () => make_new().catch((error) => tell(`a new project cannot be loaded: ${error.message}`));
 get("width").onchange = ({ target }) => view.setAttribute("width", target.value);
-for (const id of CHOICES) {
-  get(id).onchange = ({ target: { value } }) => value === AS_WRITTEN ? view.removeAttribute(id) : view.setAttribute(id, value);
-}
-get("samples").append(...SAMPLES.map((count) => new Option(count)));
 get("save").onclick = (event) => {
   event.preventDefault();
   if (get("save").textContent === "stop") return view.save();
   get("save").textContent = "stop";
   const [format, frames] = ["format", "frames"].map((id) => get(id).value.trim());
-  const stem = view.scene.replace(/^.*\/|\.\w+$/g, "");
-  view.save(`${stem}${frames && format !== "zip" ? ".####" : ""}.${format}`, [...get("aovs").selectedOptions].map(({ value }) => value), frames);
+  view.save(`${stem()}${frames && format !== "zip" ? ".####" : ""}.${format}`, [...get("aovs").selectedOptions].map(({ value }) => value), frames);
 };
 for (const id of ["files", "folder"]) get(id).onchange = ({ target }) => add([...target.files].map((file) => [file.webkitRelativePath || file.name, file]));
 get("share").onclick = async () => {

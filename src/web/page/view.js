@@ -1,13 +1,19 @@
 // `<reflet-view src="scene.toml">` shows a scene on any page that loads this module. Files are kept here, and handed to the
-// worker, which is made anew where it ends or loses its device. docs/web.md lists the attributes. The editor draws panels and
-// handles, and hears what they show.
-import { is_inside, place_in } from "./handles.js";
-import * as orbit from "./orbit.js";
+// worker, which is made anew where it ends or loses its device. docs/web.md lists the attributes. The editor draws panels, handles
+// and choices, and hears what they show.
+import { AS_WRITTEN } from "./choices.js";
+import { begin_picture } from "./picture.js";
+import { begin_pointer } from "./pointer.js";
 import { lacks } from "./suspend.js";
+import { begin_timeline } from "./timeline.js";
 
 const TEXT_FILE = /\.(toml|rhai)$/i;
 const [MOST_BYTES, MOST_TEXT_BYTES] = [512 * 2 ** 20, 4 * 2 ** 20];
 const [TURN_DEG_PER_S, MOST_STEP_S] = [20, 0.25];
+// Inputs that move the camera, the time after which it rests, and why a camera stays.
+const MOVES = ["orbit", "pan", "look", "dolly", "fly", "drag"];
+const REST_MS = 400;
+const STAYS = "motion, a script or a parent places this camera: change it in the text";
 const LOADING = "loading the renderer";
 // Project of the scenes beside it.
 const PROJECT = "reflet.toml";
@@ -21,11 +27,13 @@ STYLE.replaceSync(`
   p { position: absolute; left: 8px; top: 8px; margin: 0; padding: 2px 6px; max-width: calc(100% - 16px); max-height: calc(100% - 16px); overflow: auto; white-space: pre-wrap; background: #000b; font: 12px/1.4 ui-monospace, monospace; pointer-events: none; }
   p:empty { display: none; }
   div { display: flex; gap: 6px; align-items: center; padding: 4px 8px; color-scheme: dark; }
-  input { flex: 1; min-width: 0; }
+  input[type="range"] { flex: 1; min-width: 0; }
+  #line { position: absolute; left: 0; top: 4px; width: 100%; margin: 0; color-scheme: dark; }
+  #legend { top: 28px; }
 `);
 const INSIDE = `<canvas id="picture" part="picture" width="16" height="9" role="img" aria-label="picture of the scene"></canvas>
 <p part="status" role="status"></p>
-<div part="time" hidden><button id="play">play</button> <input id="frame" type="range" min="0" max="0" value="0" aria-label="frame"> <output id="told"></output></div>`;
+<div part="time" hidden></div>`;
 
 // One program, compiled once for all workers of a page.
 const beside = (name) => new URL(name, import.meta.url);
@@ -70,14 +78,13 @@ const download = async (url, refused) => {
 };
 
 export class RefletView extends HTMLElement {
-  static observedAttributes = ["src", "width", "samples", "camera", "method", "variant", "frame", "auto-rotate", "poster"];
+  static observedAttributes = ["src", "width", "samples", "camera", "method", "channel", "variant", "frame", "auto-rotate", "poster"];
 
   // Content by name: texts are strings, all else is bytes.
   files = new Map();
   scene = "";
-  // Whether what is dragged is written into the text; and the drag of what a place of the picture shows over it, if it does.
+  // Whether what is dragged is written into the text.
   edits = false;
-  grab = () => null;
 
   #worker = null;
   #isReady = false;
@@ -89,17 +96,23 @@ export class RefletView extends HTMLElement {
   #pending = 0;
   // How a pack is rendered, by its manifest.
   #options = {};
-  // The camera that is shown, and the one that stands elsewhere than its text says; whether that is held.
-  #camera = null;
-  #moved = null;
+  // Whether the shown camera moves, is held, and when it rests.
+  #moves = false;
   #isHeld = false;
+  #rest = 0;
+  // Method and channel of the right side, and whether it is shown; the last picture.
+  #right = { method: null, channel: "picture" };
+  #wipes = false;
+  #shown = {};
   // Texts as an input that is not over has them, each with the text that the editor has.
   #drafts = new Map();
   // Number of the last input that has changed texts.
   #heard = 0;
-  // The wanted frame, whether it plays, and the time of the last turn.
-  #frame = 0;
+  // The wanted frame and the timeline, whether it plays and begins again at its end, and the time of the last turn.
+  frame = 0;
+  timeline = null;
   #plays = false;
+  #loops = true;
   #turned = 0;
   #isSeen = false;
   #seer = new IntersectionObserver((seen) => this.#see(seen.at(-1).isIntersecting));
@@ -109,34 +122,10 @@ export class RefletView extends HTMLElement {
     const root = this.attachShadow({ mode: "open" });
     root.adoptedStyleSheets = [STYLE];
     root.innerHTML = INSIDE;
-    [this.canvas, this.status, this.time] = root.children;
-    [this.play, this.slider, this.told] = this.time.children;
-    this.slider.oninput = () => this.seek(this.slider.value);
-    this.play.onclick = () => {
-      this.#stop(!this.#plays);
-      this.run(false);
-    };
-    orbit.follow(this.canvas, {
-      camera: () => {
-        this.#isHeld = Boolean(this.#camera);
-        return this.#camera ? { ...this.#camera } : this.tell("motion, a script or a parent places this camera: change it in the text");
-      },
-      show: (...moved) => {
-        this.#moved = moved;
-        this.run(false);
-      },
-      write: () => {
-        this.#isHeld = false;
-        if (this.edits && this.#moved) this.act({ do: "place", camera: this.#moved[0], eye: this.#moved[1] });
-        else this.run(false);
-      },
-      grab: (event) => this.edits ? this.grab(event) : null,
-      click: (event) => {
-        if (!this.edits) return;
-        const at = place_in(this.canvas, event);
-        this.act(is_inside(at) ? { do: "pick", at } : { do: "unpick" });
-      },
-    });
+    [this.canvas, this.status] = root.children;
+    this.picture = begin_picture(this.canvas);
+    this.time = begin_timeline(root.lastElementChild, (message) => this.send(message));
+    begin_pointer(this.canvas, (message) => this.send(message));
   }
   connectedCallback() { this.#seer.observe(this); }
   disconnectedCallback() {
@@ -146,7 +135,7 @@ export class RefletView extends HTMLElement {
   }
   attributeChangedCallback(name, old, value) {
     if (name === "poster") this.canvas.style.backgroundImage = value ? `url(${JSON.stringify(new URL(value, document.baseURI).href)})` : "";
-    else if (name === "frame") this.#frame = whole(value, 2 ** 31);
+    else if (name === "frame") this.frame = whole(value, 2 ** 31);
     if (name === "src" && value !== null && this.#worker) this.#load();
     else this.run();
   }
@@ -158,10 +147,10 @@ export class RefletView extends HTMLElement {
   choose(name) {
     if (name === this.scene) return;
     this.scene = name;
-    [this.#moved, this.#camera, this.#options] = [null, null, {}];
+    [this.#moves, this.#options] = [false, {}];
     this.#drafts.clear();
-    this.#stop();
-    this.#frame = whole(this.getAttribute("frame"), 2 ** 31);
+    this.#plays = false;
+    this.frame = whole(this.getAttribute("frame"), 2 ** 31);
   }
   clear() {
     this.files.clear();
@@ -197,11 +186,98 @@ export class RefletView extends HTMLElement {
     if (!this.#isReady || !this.scene) return;
     if (!this.#lacking && (checks || this.edits)) this.tell("rendering");
     const isDraft = this.#isHeld || this.#drafts.size > 0;
-    this.#worker.postMessage({ ask: this.#ask(isDraft), checks: checks && !isDraft, isDraft, heard: this.#heard });
+    this.#worker.postMessage({ ask: this.#ask(isDraft), sides: this.#sides(), checks: checks && !isDraft, isDraft, heard: this.#heard });
   }
-  // Does what a user does in the panels or on the picture; `write` tells the changes of texts that follow.
+  // Hands an input to the worker; `write` tells the changes of texts that follow.
   act(message) {
     if (this.#isReady) this.#worker.postMessage({ act: message });
+  }
+  // Follows an input of a viewer: choices and time here, all else in the worker. Only an editor selects and writes.
+  send(message) {
+    const { do: what, action } = message;
+    const [press, value] = Object.entries(typeof action === "string" ? { [action]: null } : action ?? {}).flat();
+    const isMove = MOVES.includes(what) || press === "frame";
+    if (this.#does[what]) this.#does[what](message);
+    else if (this.#presses[press]) this.#presses[press](value);
+    else if (isMove && !this.#moves && !(this.edits && what === "drag")) this.tell(STAYS);
+    else if (what === "drop" && !this.edits) this.#drop();
+    else if (isMove || press === "scene_camera" || this.edits) this.#hand(message, isMove);
+    this.#show_time();
+    this.#emit("choice");
+  }
+  #hand(message, isMove) {
+    if (isMove || message.do === "drop") {
+      clearTimeout(this.#rest);
+      this.#isHeld = isMove;
+    }
+    if (isMove && message.do !== "drag") this.#rest = setTimeout(() => this.#drop(), REST_MS);
+    this.act(message);
+    if (message.do === "hide" || message.action === "scene_camera") this.run(false);
+  }
+  // The place where a camera rests is written.
+  #drop() {
+    this.#isHeld = false;
+    if (this.edits) this.act({ do: "drop", from: [0, 0] });
+    else this.run(false);
+  }
+  // Attributes, and the right side of the wipe, which has none.
+  #choose(name, value) {
+    if (value === null) this.removeAttribute(name);
+    else this.setAttribute(name, value);
+  }
+  #choose_side(side, name, value) {
+    if (!side) return this.#choose(name, value);
+    this.#right[name] = value;
+    this.run(false);
+  }
+  #does = {
+    camera: ({ name }) => this.#choose("camera", name),
+    samples: ({ count }) => this.#choose("samples", count),
+    method: ({ side, name }) => this.#choose_side(side, "method", name),
+    channel: ({ side, name }) => this.#choose_side(side, "channel", name),
+    seek: ({ frame }) => this.seek(frame),
+  };
+  #presses = {
+    play: () => {
+      this.#plays = !this.#plays;
+      this.run(false);
+    },
+    step: (by) => {
+      const [start, end] = this.timeline ?? [0, 0];
+      const count = end - start + 1;
+      const frame = this.frame + by - start;
+      this.#plays = false;
+      this.seek(start + (this.#loops ? (frame + count) % count : Math.min(end - start, Math.max(0, frame))));
+    },
+    start: () => this.seek(this.timeline?.[0]),
+    end: () => this.seek(this.timeline?.[1]),
+    loop: () => { this.#loops = !this.#loops; },
+    method: (index) => this.#choose("method", this.#shown.methods?.[index + 1] ?? null),
+    wipe: () => {
+      this.#wipes = !this.#wipes;
+      const [{ method, channel }] = this.#sides();
+      const left = method ?? this.#shown.method;
+      const isSame = [null, left].includes(this.#right.method) && this.#right.channel === (channel ?? "picture");
+      if (this.#wipes && isSame) this.#right.method = left === "rt" ? "hybrid" : "rt";
+      this.picture.wipe(this.#wipes);
+      this.run(false);
+    },
+  };
+  // Methods and channels to render: of the picture, or of both sides of the wipe.
+  #sides() {
+    const [method, channel] = ["method", "channel"].map((name) => this.getAttribute(name));
+    return [{ method, channel }, this.#right].slice(0, this.#wipes ? 2 : 1);
+  }
+  // Choices of the view, and the names that can be chosen.
+  get choices() {
+    const [camera, samples, method, channel] = ["camera", "samples", "method", "channel"].map((name) => this.getAttribute(name));
+    const { cameras = [], methods = [], channels = [] } = this.#shown;
+    const sides = [[method, channel ?? "picture"], [this.#right.method, this.#right.channel]];
+    return { cameras: [AS_WRITTEN, ...cameras], methods: [AS_WRITTEN, ...methods], channels, camera, samples, sides, wipe: this.#wipes };
+  }
+  #show_time() {
+    const { timeline, frame } = this;
+    this.time.show({ timeline, frame, shown: this.#shown.frame, plays: this.#plays, loops: this.#loops });
   }
   // Saves the picture or, where they are named, frames, with planes or as a pack; without a name it stops.
   save(output, aovs, frames) {
@@ -213,13 +289,13 @@ export class RefletView extends HTMLElement {
     this.#worker?.postMessage({ unpack: bytes }, [bytes.buffer]);
   }
   #ask(isDraft = false) {
-    const [scene, frame, moved] = [this.scene, this.#frame, this.#moved];
+    const [scene, frame] = [this.scene, this.frame];
     const text = this.#drafts.get(scene)?.text ?? this.files.get(scene);
     const [own, count, camera, method, names] = ["width", "samples", "camera", "method", "variant"].map((name) => this.getAttribute(name));
     const width = own === null ? Math.max(1, this.clientWidth) : whole(own, 2 ** 16);
     const samples = isDraft && this.edits ? 1 : whole(count, 2 ** 20) || null;
     const variant = names?.split(/\s+/).filter(Boolean);
-    const asked = { ...this.#options, scene, text: typeof text === "string" ? text : null, width, samples, frame, camera, method, moved };
+    const asked = { ...this.#options, scene, text: typeof text === "string" ? text : null, width, samples, frame, camera, method };
     return variant?.length ? { ...asked, variant } : asked;
   }
   #emit(kind, detail) { this.dispatchEvent(new CustomEvent(kind, { detail })); }
@@ -286,9 +362,10 @@ export class RefletView extends HTMLElement {
     this.#pending -= 1;
     if (!this.#pending) this.run();
   }
-  #draw({ width, height }, pixels) {
-    Object.assign(this.canvas, { width, height });
-    this.canvas.getContext("2d").putImageData(new ImageData(new Uint8ClampedArray(pixels.buffer), width, height), 0, 0);
+  #draw(side, { width, height }, pixels) {
+    const drawn = new OffscreenCanvas(width, height);
+    drawn.getContext("2d").putImageData(new ImageData(new Uint8ClampedArray(pixels.buffer), width, height), 0, 0);
+    this.picture.show(side, drawn);
     this.canvas.dataset.shown = this.scene;
   }
   // Changes of texts are shown as drafts while an input goes on. Where it is over or fails, drafts end, and the editor hears.
@@ -308,35 +385,32 @@ export class RefletView extends HTMLElement {
       const ended = [...this.#drafts].filter(([file, { base }]) => base === this.files.get(file));
       this.#drafts.clear();
       for (const [file] of ended) this.#worker.postMessage(this.message_of(file));
-      this.#moved = null;
       this.#emit("write", { changes: error ? [] : written, error });
     }
     this.run(Boolean(writes || error));
   }
   // Shows another frame.
   seek(frame) {
-    this.#frame = whole(frame, 2 ** 31);
+    this.frame = whole(frame, 2 ** 31);
     this.run(false);
-  }
-  #stop(plays = false) {
-    this.#plays = plays;
-    this.play.textContent = plays ? "pause" : "play";
   }
   // While it plays or turns, each picture asks for the next; not where nobody sees it.
   #next() {
     requestAnimationFrame((now) => {
       if (!this.#isSeen || !this.#isReady || this.#pending) return;
       const rests = this.#isHeld || matchMedia("(prefers-reduced-motion: reduce)").matches;
-      const turns = this.hasAttribute("auto-rotate") && this.#camera && !rests;
+      const turns = this.hasAttribute("auto-rotate") && this.#moves && !rests;
       if (turns) {
         const speed = Number(this.getAttribute("auto-rotate")) || TURN_DEG_PER_S;
         const degrees = speed * Math.min(MOST_STEP_S, (now - this.#turned) / 1e3);
-        this.#moved = [this.#camera.name, orbit.orbited(this.#camera, degrees * Math.PI / 180, 0)];
+        this.act({ do: "orbit", by: [-degrees / 180, 0] });
         this.#turned = now;
       }
-      const [value, least, most] = ["value", "min", "max"].map((key) => Number(this.slider[key]));
-      if (this.#plays) this.seek(value < most ? value + 1 : least);
-      else if (turns) this.run(false);
+      if (!this.#plays) return;
+      const [start, end] = this.timeline;
+      this.#plays = this.#loops || this.frame < end;
+      if (this.#plays) this.seek(this.frame < end ? this.frame + 1 : start);
+      else this.#show_time();
     });
   }
   #hear = {
@@ -344,6 +418,7 @@ export class RefletView extends HTMLElement {
       this.#isReady = true;
       this.#lacking = data.lacks;
       for (const name of this.files.keys()) this.#worker.postMessage(this.message_of(name));
+      this.#emit("keys", data.keys);
       if (data.lacks) this.tell(`messages only: this browser lacks ${data.lacks}`);
       else if (this.status.textContent === LOADING) this.tell("");
       this.run();
@@ -351,27 +426,23 @@ export class RefletView extends HTMLElement {
     missing: ({ missing }) => this.#fetch_missing(missing),
     check: ({ check }) => this.#pending || this.#emit("check", check),
     part: ({ part, pixels }) => {
-      this.#draw(part, pixels);
+      this.#draw(part.side, part, pixels);
       this.tell(`sample ${part.done} of ${part.samples}`);
     },
-    shown: ({ shown, pixels }) => {
-      if (pixels) {
-        this.#draw(shown, pixels);
+    shown: ({ shown, pictures }) => {
+      this.#plays &&= Boolean(pictures);
+      if (pictures) {
+        pictures.forEach((pixels, side) => this.#draw(side, shown, pixels));
+        this.picture.explain(shown.sides);
         this.#restarts = 0;
-        const [start, end, fps] = shown.timeline ?? [0, 0, 1];
-        this.time.hidden = !shown.timeline;
-        if (start === end) this.#stop();
-        Object.assign(this.slider, { min: start, max: end, value: this.#frame });
-        this.told.textContent = `${shown.frame} of ${end}, ${(shown.frame / fps).toFixed(2)} s`;
-        const parts = ["name", "eye", "target", "up"];
-        this.#camera = shown.camera && Object.fromEntries(parts.map((key, at) => [key, shown.camera[at]]));
-      } else {
-        this.#stop();
+        [this.#shown, this.timeline, this.#moves] = [shown, shown.timeline, shown.moves];
+        this.#plays &&= Boolean(shown.timeline) && shown.timeline[0] < shown.timeline[1];
       }
+      this.#show_time();
       if (shown.lost) return this.#restart(`the device was lost (${shown.error})`);
       if (this.#pending) return;
       this.#emit("picture", shown);
-      if (!pixels) {
+      if (!pictures) {
         const mistake = !this.edits && shown.messages?.find(({ severity }) => severity === "error")?.text;
         this.tell(shown.error ?? (mistake || "the scene has mistakes"));
       } else {
@@ -379,6 +450,7 @@ export class RefletView extends HTMLElement {
         this.#next();
       }
     },
+    moved: () => this.run(false),
     panels: ({ panels }) => this.#emit("panels", panels),
     changed: ({ changed }) => this.#change(changed),
     progress: ({ progress }) => this.tell(progress),

@@ -1,12 +1,13 @@
 // The program, away from the page, which stays quick: the checker and the renderer, or the language server. Messages: {module} first,
-// then {clear}, {file, bytes}, {ask, checks, isDraft, heard}, {act}, {save}, {stop}, {unpack}, {rpc}, {views} and {bench}; answers:
-// {state}, {missing}, {check}, {part, pixels}, {shown, pixels}, {panels}, {changed}, {progress}, {saved} or {unsaved}, {unpacked} or
+// then {clear}, {file, bytes}, {ask, sides, checks, isDraft, heard}, {act}, {save}, {stop}, {unpack}, {rpc}, {views} and {bench}; answers:
+// {state}, {missing}, {check}, {part, pixels}, {shown, pictures}, {panels}, {changed}, {moved}, {progress}, {saved} or {unsaved}, {unpacked} or
 // {refused}, {rpc}, {views}, {step} and {measured}, and {ended}.
-import init, { answer, ask, ask_act, ask_bench, check, clear, frames, interrupt, keep, language, missing, pack, panels, pixels, put_file, start, take, take_kept, unpack, views } from "./reflet_web.js";
+import init, { answer, ask, ask_act, ask_bench, check, clear, frames, interrupt, keep, keys, language, missing, pack, panels, pixels, put_file, start, take, take_kept, unpack, views } from "./reflet_web.js";
 import { lacks } from "./suspend.js";
 
 const tell = (message, moved) => self.postMessage(message, moved);
-self.tell_part = (done, samples, width, height, rgba) => tell({ part: { done, samples, width, height }, pixels: rgba }, [rgba.buffer]);
+let side = 0;
+self.tell_part = (done, samples, width, height, rgba) => tell({ part: { side, done, samples, width, height }, pixels: rgba }, [rgba.buffer]);
 self.tell_step = (step, done, steps) => tell({ step, done, steps });
 let why = "";
 self.tell_panic = (text) => { why = text; };
@@ -43,16 +44,28 @@ const tell_panels = () => {
 // Of the pictures that were asked for meanwhile, only the last is made. One in work is given up for the next, but drafts of a drag
 // are not, which would show nothing then; and a picture that inputs have cut off is made after them.
 let [next, inWork, cutOff] = [null, null, null];
+// Pictures of the sides of a wipe, one after the other, told as the first of them; or as one that fails.
+const makeSides = async (asked) => {
+  const [answers, pictures] = [[], []];
+  for (const json of asked) {
+    side = answers.length;
+    answers.push(await make(json));
+    if (!answers.at(-1).width) return { shown: answers.at(-1), pictures: [] };
+    pictures.push(pixels());
+  }
+  const sides = answers.map(({ method, legend }) => ({ method, legend }));
+  return { shown: { ...answers[0], sides }, pictures };
+};
 const giveUp = () => { if (!isSaving && !inWork?.isDraft) interrupt(); };
 const makeNext = async () => {
   if (!next) return;
   const began = performance.now();
   [inWork, next, cutOff] = [next, null, null];
   const made = inWork;
-  const shown = await make(made.json);
+  const { shown, pictures } = await makeSides(made.sides);
   if (shown.interrupted) cutOff = made;
   inWork = null;
-  isShown = true;
+  isShown = pictures.length === 1;
   // Inputs are about the scene that was asked for.
   if (shown.interrupted && !shown.open && acts.length) {
     next ??= cutOff;
@@ -62,10 +75,9 @@ const makeNext = async () => {
   tell_panels();
   isOwed &&= made.heard !== changes;
   if (acts.length) queue(actNext);
-  const rgba = shown.width ? pixels() : null;
   shown.seconds = (performance.now() - began) / 1e3;
   tell_missing();
-  if (!shown.interrupted) tell({ shown, pixels: rgba }, rgba ? [rgba.buffer] : []);
+  if (!shown.interrupted) tell({ shown, pictures: shown.width ? pictures : null }, pictures.map((rgba) => rgba.buffer));
 };
 
 // Inputs that wait, the number of those that have changed texts, and whether the picture after the last of these is still to come:
@@ -80,16 +92,26 @@ const actNext = async () => {
   tell_panels();
   isOwed = Boolean(done.changes.length || done.writes);
   if (isOwed) return tell({ changed: { ...done, number: ++changes } });
+  if (done.moves) tell({ moved: true });
   if (acts.length) return queue(actNext);
-  next ??= cutOff;
+  // The page asks for the picture of a moved camera.
+  if (!done.moves) next ??= cutOff;
   queue(makeNext);
 };
-// Of the steps of a drag or of an input that wait, only the last counts.
+// Of the steps of an input that wait, only the last counts; moves of the camera add up.
+const both = (a, b) => ({ ...b, by: b.by.map((x, axis) => a.by[axis] + x) });
+const sums = {
+  orbit: both, pan: both, look: both,
+  drag: (a, b) => !b.start && { ...both(a, b), start: a.start },
+  dolly: (a, b) => ({ ...b, notches: a.notches + b.notches }),
+  fly: (a, b) => `${a.by}` === `${b.by}` && { ...b, seconds: a.seconds + b.seconds },
+};
 const take_act = (now) => {
   const last = acts.at(-1);
-  const isNext = last && last.do === now.do && (now.do === "drag" ? !now.start : last.write === false && last.key === now.key && last.name === now.name);
-  if (isNext) acts.pop();
-  acts.push(isNext && now.do === "drag" ? { ...now, start: last.start } : now);
+  const replaces = (a, b) => a.write === false && a.key === b.key && a.name === b.name && b;
+  const joined = last?.do === now.do && (sums[now.do] ?? replaces)(last, now);
+  if (joined) acts[acts.length - 1] = joined;
+  else acts.push(now);
 };
 
 // Mistakes of the user are thrown as words; all else ends the program.
@@ -129,15 +151,14 @@ const work = {
     clear();
   },
   file: ({ file, bytes }) => put_file(file, new Uint8Array(bytes)),
-  ask: ({ ask: asked, checks, isDraft, heard }) => {
-    const json = JSON.stringify(asked);
+  ask: ({ ask: asked, sides, checks, isDraft, heard }) => {
     if (checks) {
-      const found = JSON.parse(check(json));
+      const found = JSON.parse(check(JSON.stringify(asked)));
       tell_missing();
       tell({ check: found });
     }
     if (!show) return;
-    next = { json, isDraft, heard };
+    next = { sides: sides.map((own) => JSON.stringify({ ...asked, ...own })), isDraft, heard };
     giveUp();
     queue(makeNext);
   },
@@ -169,7 +190,7 @@ const ready = loaded.then(init).then((exports) => {
   start();
   const lacking = lacks();
   if (!lacking) [show, act, bench] = [exports.show, exports.act, exports.bench].map((call) => WebAssembly.promising(call));
-  tell({ state: "ready", lacks: lacking });
+  tell({ state: "ready", lacks: lacking, keys: JSON.parse(keys()) });
 }).catch(ended);
 
 self.onmessage = async ({ data }) => {

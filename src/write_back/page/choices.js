@@ -4,7 +4,8 @@ import { element, get, options, SAMPLES } from "./numbers.js";
 const select = (label, id, choose) =>
   element("label", {}, `${label} `, element("select", { id, onchange: ({ target }) => choose(target.value) }));
 
-// Names of cameras and methods in parentheses stand for a choice of the scene.
+// Choice of a camera or method that is left to the text. As other names in parentheses, it is sent as none.
+export const AS_WRITTEN = "(as written)";
 const named = (value) => value.startsWith("(") ? null : value;
 
 export const begin_choices = (box, send) => {
@@ -23,9 +24,9 @@ export const begin_choices = (box, send) => {
   return {
     // The names to choose from and, for each side, the chosen method and channel.
     show: ({ cameras, camera, methods, channels, sides, wipe, samples }) => {
-      options(get("camera"), cameras, camera);
+      options(get("camera"), cameras, camera ?? AS_WRITTEN);
       sides.forEach(([method, channel], at) => {
-        options(get(`method${at}`), methods, method);
+        options(get(`method${at}`), methods, method ?? AS_WRITTEN);
         options(get(`channel${at}`), channels, channel);
       });
       get("wipe").setAttribute("aria-pressed", String(wipe));

@@ -3,9 +3,6 @@ import { get } from "./numbers.js";
 
 const COLORS = ["#eb5046", "#6ec846", "#508cfa"];
 export const KINDS = ["move", "turn", "scale"];
-// Half the side of the square in which a press takes hold of a handle, in marks.
-const GRIP = 0.75;
-
 // Place of the picture on the page: its canvas shows it with margins.
 const box_of = (canvas) => {
   const box = canvas.getBoundingClientRect();
@@ -64,14 +61,8 @@ export const begin_handles = (canvas, over, send) => {
     }
     paint();
   };
-  // Whether a place of the picture is in the grip of a handle.
-  const holds = ([x, y]) => {
-    const ratio = canvas.width / canvas.height;
-    const is_near = ([end_x, end_y]) => Math.max(Math.abs(x - end_x) * ratio, Math.abs(y - end_y)) <= GRIP * shown.mark;
-    return Boolean(shown?.drawn?.ends.some(is_near));
-  };
   for (const kind of KINDS) get(kind).addEventListener("click", () => send({ do: "handles", kind }));
   new ResizeObserver(paint).observe(canvas);
   canvas.addEventListener("resized", paint);
-  return { show, holds };
+  return { show };
 };

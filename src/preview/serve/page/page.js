@@ -145,7 +145,7 @@ $("redo").addEventListener("click", () => press({ undo: true }));
 $("screenshot").addEventListener("click", ({ target }) => { target.href = `picture.png?wipe=${picture.line_at()}`; });
 $("denoise").addEventListener("change", ({ target }) => send({ do: "denoise", on: target.checked }));
 
-const choices = begin_choices($("choices"), send);
+const choices = begin_choices($("view-choices"), send);
 const picture = begin_picture(canvas);
 const timeline = begin_timeline($("time"), send);
 const keyboard = begin_keyboard({
