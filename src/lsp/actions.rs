@@ -98,6 +98,10 @@ impl Place<'_> {
     fn value(&self, help: &str) -> Option<Edit> {
         let (_, rest) = help.split_once("write ")?;
         let new = first_value(rest)?;
+        if let Some(old) = rest[new.len()..].strip_prefix(" for ") {
+            let start = self.at.start + self.now().find(old)?;
+            return Some((start..start + old.len(), new.to_owned()));
+        }
         if !self.is_syntax {
             return is_value(self.now()).then(|| (self.at.clone(), new.to_owned()));
         }
@@ -105,6 +109,7 @@ impl Place<'_> {
         let before_place = line.start..self.at.start.clamp(line.start, line.end);
         let begin = line.start + self.text[line.clone()].find('=')? + 1;
         let breaks = |c: char| ",[]{}=#".contains(c);
+        let is_inside = |c: char| !(c.is_whitespace() || breaks(c));
         let start = self.text[before_place.clone()].rfind(breaks);
         let start = start.map_or(line.start, |at| line.start + at + 1);
         let end = self.text[before_place.end..line.end].find(breaks);
@@ -116,10 +121,12 @@ impl Place<'_> {
         let whole = self.trimmed(whole.start..whole.start + length);
         let mends = |at: &Range<usize>| {
             let [before, after] = [line.start..at.start, at.end..line.end];
-            let mended = [&self.text[before], new, &self.text[after]].concat();
-            !at.is_empty() && at.start >= begin && is_toml(&mended)
+            let [before, after] = [&self.text[before], &self.text[after]];
+            let is_part = before.ends_with(is_inside) || after.starts_with(is_inside);
+            let mended = [before, new, after].concat();
+            !at.is_empty() && at.start >= begin && !is_part && is_toml(&mended)
         };
-        let at = [element, whole].into_iter().find(mends)?;
+        let at = [self.at.clone(), element, whole].into_iter().find(mends)?;
         Some((at, new.to_owned()))
     }
 
@@ -168,11 +175,12 @@ fn meant(help: &str, now: &str) -> Option<String> {
     let (_, rest) = help.split_once(MEANT)?;
     let quote = rest.chars().next().filter(|c| "`\"".contains(*c))?;
     let (name, _) = rest[1..].split_once(quote)?;
-    Some(match now.starts_with(['"', '\'']) {
+    match now.starts_with(['"', '\'']) {
         // The path in `remove` keeps its first part.
-        true => toml_text(name),
-        false => name.to_owned(),
-    })
+        true => Some(toml_text(name)),
+        // A text is no name: the place is the key of a map in a script.
+        false => (quote == '`').then(|| name.to_owned()),
+    }
 }
 
 /// The value that a text begins with, unless it is the first one of several.
@@ -190,7 +198,8 @@ fn first_value(text: &str) -> Option<&str> {
     let (value, rest) = text.split_at(end);
     let rest = rest.trim_start_matches([',', ' ']);
     let rest = rest.strip_prefix("or ").unwrap_or(rest);
-    let goes_on = rest.starts_with(|c: char| c.is_ascii_digit() || "\"[{-`".contains(c));
+    let goes_on = rest.starts_with(|c: char| c.is_ascii_digit() || "\"[{-`".contains(c))
+        || rest.starts_with("numbers");
     (!goes_on && is_value(value)).then_some(value)
 }
 

@@ -36,8 +36,8 @@ pub use actions::quick_fix;
 use model_files::ModelFiles;
 use names::border_of;
 use outline::Part;
-pub use position::{PLAIN, range};
-use position::{offset, path_of, uri_of};
+pub use position::{PLAIN, offset, range};
+use position::{path_of, uri_of};
 use references::same;
 
 /// Codes of errors in the protocol.

@@ -39,22 +39,24 @@ pub fn found(part: &str, text: &str) -> Option<(Range<usize>, String, String)> {
 /// Forms of a file of this program.
 pub fn of_file(text: &str) -> Vec<Form> {
     let rows: Rows = toml::from_str(text).expect("tests read it");
-    let form = |[part, written, message, help]: [String; 4]| {
-        let pattern = written
-            .replace("<n>", r"(?:[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))")
-            .replace("<m>", r"(?:[+-]?(?:0|[1-9][0-9]*)(?:\.[0-9]+)?)")
-            .replace("<k>", r"[\p{Alphabetic}\p{N}_.\-]")
-            .replace(r"\w", r"[\p{Alphabetic}\p{N}_]")
-            .replace(r"\b", r"(?-u:\b)");
-        Form {
-            pattern: Regex::new(&pattern).expect("tests read it"),
-            part,
-            written,
-            message,
-            help,
-        }
+    let form = |[part, written, message, help]: [String; 4]| Form {
+        pattern: pattern(&written),
+        part,
+        written,
+        message,
+        help,
     };
     rows.forms.into_iter().map(form).collect()
+}
+
+/// An expression as a file of forms has it.
+pub fn pattern(written: &str) -> Regex {
+    let pattern = written
+        .replace("<n>", r"(?:[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))")
+        .replace("<k>", r"[\p{Alphabetic}\p{N}_.\-]")
+        .replace(r"\w", r"[\p{Alphabetic}\p{N}_]")
+        .replace(r"\b", r"(?-u:\b)");
+    Regex::new(&pattern).expect("tests read it")
 }
 
 /// A place in a message that a text of the user fills.
@@ -90,6 +92,10 @@ fn in_words(text: &str, form: &str) -> String {
         "key" => suggest::key(text),
         "text" => suggest::text(text),
         "list" => joined(text.split([',', ';']).map(str::trim).collect()),
+        "values" => {
+            let entries = text.split(',').filter_map(|entry| entry.split_once('='));
+            joined(entries.map(|(_, value)| value.trim()).collect())
+        }
         "spaced" => joined(text.split_whitespace().collect()),
         _ => suggest::clip(text.trim()),
     }

@@ -148,7 +148,7 @@ impl Script {
                 Diagnostic::new("script-function", at, message).help(help)
             } else {
                 let message = format!("`{}` is never called", found.name);
-                let help = format!("did you mean `{wanted}`?");
+                let help = format!("did you mean `fn {wanted}`?");
                 Diagnostic::new("script-function", at, message).help(help)
             };
             return Err(Box::new(error));

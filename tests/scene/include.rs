@@ -146,7 +146,7 @@ fn mistakes_are_placed_in_the_file_that_has_them() {
         "`roughnes` is not a key of `[material.blue]`\n --> library/colors.toml:4:1\n",
         "did you mean `roughness`?",
         "an included file cannot have a script\n --> lights.toml:1:1\n",
-        "a comma is missing between `0` and `1`\n --> lights.toml:4:13\n",
+        "a comma is missing between `0` and `1`\n --> lights.toml:4:12\n",
         "`zenit` is not a key of `[environment]`\n --> lights.toml:6:1\n",
     ] {
         assert!(said.contains(expected), "{expected} is not in\n{said}");

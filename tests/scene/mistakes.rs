@@ -4,11 +4,14 @@
 //! A case is a scene, or a script of the scene `scripted.toml`. The first line of its expectation file says by hand
 //! what the mistake is and where it stands; `UPDATE_EXPECTED=1` rewrites the messages below it.
 
-use std::sync::LazyLock;
+use std::sync::{Arc, LazyLock};
 
 use reflet::{
     app::{args::SceneArgs, check},
-    scene::diagnostic::{Severity, Source},
+    scene::{
+        diagnostic::{Severity, Source},
+        reach::UnsavedTexts,
+    },
 };
 
 use crate::{
@@ -58,28 +61,43 @@ fn mistakes(folder: &str) -> Vec<Mistake> {
     files.into_iter().map(Mistake::new).collect()
 }
 
+/// Messages about a scene, or about a script of the scene `scripted.toml`.
+fn messages(case: &Arc<Source>) -> Vec<Diagnostic> {
+    let scene = case.path.with_extension("toml");
+    let is_script = scene != case.path;
+    let source = if is_script {
+        let text = include_str!("../bad_scenes/mistakes/scripted.toml");
+        let stem = scene.file_stem().expect("a name").to_string_lossy();
+        Arc::new(Source::new(scene.clone(), text.replace("NAME", &stem)))
+    } else {
+        case.clone()
+    };
+    let (args, files) = (SceneArgs::default(), Dependencies::default());
+    check::messages(&source, &args, UnsavedTexts::new([case]), &files)
+}
+
 impl Mistake {
     fn new(file: PathBuf) -> Self {
         let expectation = fs::read_to_string(file.with_extension("txt")).expect("an expectation");
         let head = expectation.lines().next().unwrap_or_default().to_owned();
-        let scene = match file.extension().is_some_and(|e| e == "rhai") {
-            true => bad_scenes().join("mistakes/scripted.toml"),
-            false => file.clone(),
-        };
-        let text = fs::read_to_string(scene).expect("text");
-        let stem = file.file_stem().expect("a name").to_string_lossy();
-        let source = Source::new(file.with_extension("toml"), text.replace("NAME", &stem));
-        let messages = check::messages(
-            &source.into(),
-            &SceneArgs::default(),
-            Default::default(),
-            &Dependencies::default(),
-        );
+        let text = fs::read_to_string(&file).expect("text");
+        let messages = messages(&Source::new(file.clone(), text).into());
         Self {
             file,
             head,
             messages,
         }
+    }
+
+    /// The message, and the text of the case with the message's advice written in its place.
+    fn mended(&self) -> Option<(&Diagnostic, Arc<Source>)> {
+        let message = self.message()?;
+        let fix = reflet_lsp::quick_fix(message)?;
+        let source = message.span.source.as_ref()?;
+        let at = |end| reflet_lsp::offset(&source.text, &fix["range"][end]);
+        let mut text = source.text.clone();
+        text.replace_range(at("start")..at("end"), fix["new"].as_str()?);
+        Some((message, Source::new(source.path.clone(), text).into()))
     }
 
     /// Description of the mistake, and the line and column at which it stands.
@@ -205,6 +223,35 @@ fn each_mistake_gives_one_message_at_its_place_with_advice() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n======\n"));
     // None is removed unnoticed.
     assert!(all().count() >= 357, "{}", all().count());
+}
+
+/// Mistakes whose line has another mistake too.
+const FURTHER: [&str; 3] = [
+    "30_two_instances_with_one_bracket", // each of them
+    "01_a_fov_of_the_whole_picture",     // two numbers
+    "36_a_list_of_instances",            // names of models
+];
+
+#[test]
+fn advice_that_is_written_is_not_refused_again() {
+    let mended = all().filter_map(|it| Some((it.file.file_stem()?.to_str()?, it.mended()?)));
+    let is_refused = |first: &Diagnostic, text: &Arc<Source>| {
+        let line = |at: &Diagnostic| text.place(at.span.range.start).line;
+        messages(text).iter().any(|next| {
+            let is_error = next.severity == Severity::Error || next.message == first.message;
+            let source = next.span.source.as_ref();
+            let is_here =
+                source.is_some_and(|it| it.path == text.path) && line(next) == line(first);
+            // Cases have not all that they name.
+            is_error && is_here && !["file-not-found", "dangling-name"].contains(&next.name)
+        })
+    };
+    let refused = mended
+        .clone()
+        .filter(|(_, (first, text))| is_refused(first, text));
+    let refused: Vec<_> = refused.map(|(stem, _)| stem).collect();
+    assert_eq!(refused, FURTHER);
+    assert!(mended.count() >= 150, "there is advice to write");
 }
 
 /// The messages about all mistakes score 2.8 of 3 on average.

@@ -128,22 +128,7 @@ fn parameters_keep_their_kind() {
         let is_float = matches!(speed, Some(ParamValue::Number(_)));
         assert!(is_float, "{sets:?}: {speed:?}");
     }
-    for (set, says) in [
-        ("count=3.5", "`count` is a whole number, not 3.5"),
-        (
-            "count=3.5",
-            "declared as 3.0 in `[params]` it takes any number",
-        ),
-        (
-            "count=abc",
-            "`count` is a whole number, not a text\n --> --set:1:14",
-        ),
-        ("count=1.5", "not 1.5"),
-        ("speed=true", "`speed` is a number, not true or false"),
-        ("on=1", "`on` is true or false, not a whole number"),
-        ("word=1", "`word` is a text, not a whole number"),
-        ("at=[1, 2, 3]", "`at` is a list of 2, not a list of 3"),
-    ] {
+    for (set, says) in cases(include_str!("set/refused.txt")) {
         let set = format!("params.{set}");
         let read = Scene::from_text(&text, Path::new("scene.toml"), std::slice::from_ref(&set));
         let errors = read.expect_err(&set);

@@ -173,7 +173,7 @@ fn script_without_functions_is_an_error() {
         ("fn setup(ctx) { #{} }\nfn frame(ctx, t) { }", "s.rhai:2:1"),
         (
             "// fn Frame\nfn setup(ctx) { #{} }\nfn Frame(ctx) { }",
-            "did you mean `frame`?",
+            "did you mean `fn frame`?",
         ),
         ("fn frame(ctx) { }\nfn setup() { }", "`setup` has one"),
         ("fn frame(ctx) {", "s.rhai:1:"),

@@ -109,11 +109,10 @@ fn value(text: &str, base: usize, report: &mut Report) -> Option<Node> {
             Some(Node::new(at, Content::String(trimmed.into())))
         }
         Err(error) => {
-            let at = error.at;
-            let (message, help) = in_plain_words(trimmed, &at, &error.message);
-            report
-                .error("bad-set", &(start + at.start..start + at.end), message)
-                .help = help;
+            let words = in_plain_words(trimmed, &error.at, &error.message, false);
+            let at = words.at.unwrap_or(error.at);
+            let at = start + at.start..start + at.end;
+            report.error("bad-set", &at, words.message).help = words.help;
             None
         }
     }

@@ -2,14 +2,18 @@
 
 mod numbers;
 mod plain_words;
+mod several;
 mod unclosed;
+mod value_types;
 
 use std::{ops::Range, sync::Arc};
 
 use self::unclosed::Unclosed;
 use crate::{
     diagnostic::{Diagnostic, Source, Span},
-    forms, suggest,
+    forms,
+    parse::tables::is_project,
+    suggest,
     syntax::{Entries, MOST_TABLES, TOO_MANY_TABLES, Token, TokenKind, tokens},
     table::report::Report,
 };
@@ -95,7 +99,7 @@ fn errors(source: &Arc<Source>, base: usize, report: &mut Report) -> Vec<Shadow>
             is_full = true;
             continue;
         }
-        explain(text, base, at.clone(), &error.message, report);
+        explain(source, base, at.clone(), &error.message, report);
         let line = text[..start].rfind('\n').map_or(0, |i| i + 1);
         if error.message == "duplicate key" {
             doubled = body_of_header(text, start);
@@ -152,7 +156,8 @@ fn body_of_header(text: &str, at: usize) -> Range<usize> {
     at + 1..table.end
 }
 
-fn explain(text: &str, base: usize, at: Range<usize>, message: &str, report: &mut Report) {
+fn explain(source: &Source, base: usize, at: Range<usize>, message: &str, report: &mut Report) {
+    let text = source.text.as_str();
     let moved = |range: &Range<usize>| base + range.start..base + range.end;
     if message == "duplicate key" {
         let key = text.get(at.clone()).unwrap_or("");
@@ -175,8 +180,9 @@ fn explain(text: &str, base: usize, at: Range<usize>, message: &str, report: &mu
         report.error("too-deep", &moved(&at), message).help =
             Some("a scene needs four levels".into());
     } else {
-        let (message, help) = in_plain_words(text, &at, message);
-        report.error("toml-syntax", &moved(&at), message).help = help;
+        let words = in_plain_words(text, &at, message, is_project(&source.path));
+        let at = moved(&words.at.unwrap_or(at));
+        report.error("toml-syntax", &at, words.message).help = words.help;
     }
 }
 
@@ -271,7 +277,12 @@ fn first_too_deep(text: &str) -> Option<Range<usize>> {
 }
 
 /// A message and advice on what to do.
-type Words = (String, Option<String>);
+pub struct Words {
+    pub message: String,
+    pub help: Option<String>,
+    /// Place of the mistake in its line without indent, if the parser points elsewhere.
+    pub at: Option<Range<usize>>,
+}
 
 /// A syntax error with the text around it.
 struct Mistake<'t> {
@@ -288,11 +299,17 @@ struct Mistake<'t> {
     pub value: &'t str,
     /// The parser's message.
     pub message: &'t str,
+    /// Whether the text is a project's, not a scene's.
+    pub is_project: bool,
 }
 
 /// A message with advice.
 fn words(message: impl Into<String>, help: impl Into<String>) -> Option<Words> {
-    Some((message.into(), Some(help.into())))
+    Some(Words {
+        message: message.into(),
+        help: Some(help.into()),
+        at: None,
+    })
 }
 
 /// Whether a text is a number without letters.

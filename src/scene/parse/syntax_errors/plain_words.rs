@@ -2,23 +2,23 @@
 
 use std::{borrow::Cow, ops::Range, sync::LazyLock};
 
-use serde_json::Value as Json;
-
 use super::{
     Mistake, Words,
     numbers::{constant, number},
+    several::several,
+    value_types::types_of,
     words,
 };
 use crate::{
     forms::{self, Form},
-    parse::recorded_keys,
     suggest,
     syntax::key_text,
-    table::{color::in_css, key_recorder::Form as ValueForm},
+    table::color::in_css,
 };
 
-/// Message and advice for a syntax error at `at`; the parser's own `message` where no explanation fits.
-pub fn in_plain_words(text: &str, at: &Range<usize>, message: &str) -> Words {
+/// Message and advice for a syntax error at `at` of a scene or a project; the parser's own `message` where no explanation
+/// fits. The place is one of the text.
+pub fn in_plain_words(text: &str, at: &Range<usize>, message: &str, is_project: bool) -> Words {
     let start = text.floor_char_boundary(at.start);
     let line_start = text[..start].rfind('\n').map_or(0, |i| i + 1);
     let line_end = text[start..].find('\n').map_or(text.len(), |i| start + i);
@@ -32,11 +32,17 @@ pub fn in_plain_words(text: &str, at: &Range<usize>, message: &str) -> Words {
         table: table_of(&text[..line_start], key),
         value: without_comment(value).trim(),
         message,
+        is_project,
+    };
+    let plain = |message: String, help| Words {
+        message,
+        help,
+        at: None,
     };
     if has_lone_return(&text[..line_end], start) {
         let message = "a line ends with a carriage return alone";
         let help = "save the file with line ends that your editor calls LF or CRLF";
-        return (message.to_owned(), Some(help.to_owned()));
+        return plain(message.to_owned(), Some(help.to_owned()));
     }
     let explained = FORMS.iter().find_map(|(explain, form)| match explain {
         Some(explain) => explain(&mistake),
@@ -45,7 +51,15 @@ pub fn in_plain_words(text: &str, at: &Range<usize>, message: &str) -> Words {
             words(message, help)
         }
     });
-    explained.unwrap_or_else(|| (format!("not TOML: {message}"), None))
+    let Some(words) = explained else {
+        return plain(format!("not TOML: {message}"), None);
+    };
+    let indent = line_start + line.len() - line.trim_start().len();
+    let moved = |own: Range<usize>| indent + own.start..indent + own.end;
+    Words {
+        at: words.at.map(moved),
+        ..words
+    }
 }
 
 /// Whether a carriage return without a newline is at a place or just before it.
@@ -64,6 +78,7 @@ static FORMS: LazyLock<Vec<(Option<Explain>, Form)>> = LazyLock::new(|| {
             "css_color" => css_color,
             "constant" => constant,
             "number" => number,
+            "several" => several,
             _ => return None,
         })
     };
@@ -71,34 +86,15 @@ static FORMS: LazyLock<Vec<(Option<Explain>, Form)>> = LazyLock::new(|| {
     forms.map(|form| (explain(&form), form)).collect()
 });
 
-/// Types of values by their names in JSON Schema.
-const LIST: &[&str] = &["array"];
-const NUMBER: &[&str] = &["number", "integer"];
-
 /// A function that explains a mistake.
 type Explain = fn(&Mistake) -> Option<Words>;
 
 impl<'t> Mistake<'t> {
-    /// Whether the key takes a value of these types: in tables of its kind, or in all tables where tables of its kind lack
-    /// the key. A key that no table has takes none.
-    fn takes(&self, types: &[&str]) -> bool {
-        fn is_of(schema: &Json, types: &[&str]) -> bool {
-            let mut any = schema["anyOf"].as_array().into_iter().flatten();
-            let is_listed = |name| types.contains(&name);
-            schema["type"].as_str().is_some_and(is_listed) || any.any(|it| is_of(it, types))
-        }
+    /// Whether the key takes lists and no number.
+    fn takes_a_list(&self) -> bool {
         let name = self.key.rsplit('.').next().unwrap_or(self.key);
-        let known = || {
-            let tables = recorded_keys().iter();
-            let keys = tables.flat_map(|it| it.all_keys().map(|key| (kind_of(it.heading), key)));
-            keys.filter(|(_, key)| key.name == name)
-        };
-        let is_own = |kind: &str| kind == self.table;
-        let has_own = is_own("params") || known().any(|(kind, _)| is_own(kind));
-        let taken = known().filter(|(kind, _)| is_own(kind) || !has_own);
-        taken
-            .flat_map(|(_, key)| &key.forms)
-            .any(|form| matches!(form, ValueForm::Value(_, schema) if is_of(schema, types)))
+        let types = types_of(self.is_project, self.table, name);
+        types.is_some_and(|types| !types.number && !types.lists.is_empty())
     }
 
     /// A part of the text by its name in `forms.toml`; `None` where the mistake has none.
@@ -116,10 +112,7 @@ impl<'t> Mistake<'t> {
                 Some(format!("{}¦{}", self.line.get(..before)?, self.rest).into())
             }
             "value" => Some(self.value.into()),
-            "list" if self.takes(LIST) && !self.takes(NUMBER) => Some(self.value.into()),
-            "number" if self.takes(NUMBER) && !self.takes(LIST) => Some(self.value.into()),
-            "fraction" if self.takes(&["number"]) && !self.takes(LIST) => Some(self.value.into()),
-            "either" if self.takes(NUMBER) == self.takes(LIST) => Some(self.value.into()),
+            "list" if self.takes_a_list() => Some(self.value.into()),
             "message" => Some(self.message.into()),
             "key" => Some(self.key.into()),
             "entry" if !self.key.is_empty() => {
@@ -152,12 +145,6 @@ fn table_of<'t>(before: &'t str, key: &'t str) -> &'t str {
     }
     let kind = words.next();
     kind.filter(|_| words.peek().is_some()).unwrap_or_default()
-}
-
-/// First word of a heading of the manual.
-fn kind_of(heading: &str) -> &str {
-    let inner = heading.trim_start_matches(['[', ' ']);
-    inner.split(['.', ']', ' ']).next().unwrap_or(inner)
 }
 
 fn without_comment(value: &str) -> &str {
@@ -220,11 +207,14 @@ fn backslash(m: &Mistake) -> Option<Words> {
     let text = texts.find(|text| text.contains('\\')).unwrap_or(m.value);
     let slashes = text.replace('\\', "/");
     let message = "`\\` has a special meaning in double quotes";
-    let help = format!(
-        "write \"{}\", with `/`, as on all systems",
-        suggest::clip(&slashes)
-    );
-    words(message, help)
+    let is_absolute = slashes.contains(':') || slashes.starts_with('/');
+    let name = slashes.rsplit('/').next().filter(|_| is_absolute);
+    let why = match name {
+        Some(_) => "its name in the scene's folder, or its folder is given by `--assets DIR`",
+        None => "with `/`, as on all systems",
+    };
+    let path = suggest::clip(name.unwrap_or(&slashes));
+    words(message, format!("write \"{path}\", {why}"))
 }
 
 /// Explains a color of a stylesheet: `base_color = rgb(255, 0, 0)`.
