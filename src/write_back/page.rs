@@ -345,6 +345,13 @@ mod tests {
         numbers.normal_texture = Some(At::default());
         assert!(names("numbers", &numbers).contains(&relief));
         (numbers.normal_scale, numbers.clearcoat) = (None, Some(0.0));
+        // A thin sheet of glass, and a solid.
+        let dispersion = json!(["Transmission", "dispersion"]);
+        numbers.transmission = Some(1.0);
+        assert!(!names("lacking", &numbers).contains(&dispersion));
+        numbers.thickness_m = Some(1.0);
+        assert!(names("lacking", &numbers).contains(&dispersion));
+        (numbers.transmission, numbers.thickness_m) = (None, None);
         assert!(!names("lacking", &numbers).contains(&row(coat)));
         assert_eq!(names("numbers", &numbers), [row(coat), row(rough)]);
     }

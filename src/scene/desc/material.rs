@@ -166,7 +166,7 @@ material! {
         /// crown glass, 0.36 diamond, 0.66 flint glass (`KHR_materials_dispersion`). Seen with 8 `samples` and more.
         /// Default 0, or the glTF value.
         #[group("Transmission")]
-        dispersion under transmission: f32, Number in DISPERSION, "dispersion" of "dispersion/dispersion" => off "0";
+        dispersion under transmission under thickness_m: f32, Number in DISPERSION, "dispersion" of "dispersion/dispersion" => off "0";
     }
 }
 
