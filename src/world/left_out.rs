@@ -7,7 +7,7 @@ use std::{
 
 use glam::Vec3;
 
-use super::{World, lamps::light_at};
+use super::{FileLight, World, lamps::light_at};
 
 /// Lights and decals that are left out, by their indices, with the color, the place in reflections or the
 /// opacity that they have otherwise.
@@ -18,14 +18,24 @@ pub struct LeftOut {
 }
 
 impl World {
-    /// Leaves out lights and decals of the scene's text, by their names, and shows all others.
-    pub fn leave_out(&mut self, lights: &BTreeSet<String>, decals: &BTreeSet<String>) {
+    /// Leaves out lights and decals of the scene's text, by their names, and lights of files, by their origins, and shows
+    /// all others.
+    pub fn leave_out(
+        &mut self,
+        lights: &BTreeSet<String>,
+        decals: &BTreeSet<String>,
+        is_dark: impl Fn(&FileLight) -> bool,
+    ) {
         self.exchange_left_out();
         // Lights of files come after the scene's own, and may have their names.
         let light = |name: &String| self.all_lights().position(|light| light.name == *name);
         let decal = |name: &String| self.decals.list.iter().position(|it| it.name == *name);
+        let first = self.all_lights().count() - self.file_lights.len();
+        let of_files = self.file_lights.iter().enumerate();
+        let of_files = of_files.filter(|(_, light)| is_dark(light));
+        let of_files = of_files.map(|(index, _)| first + index);
         let (lights, decals) = (
-            lights.iter().filter_map(light),
+            lights.iter().filter_map(light).chain(of_files),
             decals.iter().filter_map(decal),
         );
         self.left_out = LeftOut {
@@ -82,7 +92,7 @@ mod tests {
         };
         let set = |names: &[&str]| names.iter().map(|name| name.to_string()).collect();
         let leave_out = |world: &mut World, lights: &[&str], decals: &[&str]| {
-            world.leave_out(&set(lights), &set(decals));
+            world.leave_out(&set(lights), &set(decals), |light| light.model == 0);
         };
         assert_eq!(shown(&world), [1.0, 0.5, 1.0]);
         leave_out(&mut world, &["fading"], &["sign"]);
@@ -94,5 +104,14 @@ mod tests {
         leave_out(&mut world, &[], &[]);
         apply(&mut world, 0);
         assert_eq!(shown(&world), [1.0, 0.5, 1.0]);
+        // The last light is a file's.
+        world.file_lights = [0]
+            .map(|model| FileLight {
+                written: None,
+                model,
+            })
+            .into();
+        leave_out(&mut world, &[], &[]);
+        assert_eq!(shown(&world), [1.0, 0.0, 1.0]);
     }
 }

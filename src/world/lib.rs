@@ -83,6 +83,8 @@ pub struct World {
     pub lamps: Vec<Light>,
     /// Index of each light into `lights`, then `lamps`; empty if light i has index i.
     pub light_order: Vec<usize>,
+    /// Origins of the lights of files, which are the last lights.
+    pub file_lights: Vec<FileLight>,
     /// The scene's and the files' cameras; never empty.
     pub cameras: Vec<Entry<CameraDesc>>,
     /// The scene's probes.
@@ -353,6 +355,15 @@ impl Texture {
             .get(4 * texel + 3)
             .map_or(1.0, |a| f32::from(*a) / 255.0)
     }
+}
+
+/// Placement of the file that a light is of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FileLight {
+    /// Index of the `[[instance]]` in the scene text, if it has one.
+    pub written: Option<usize>,
+    /// Index of the `[model.NAME]` in the scene text.
+    pub model: usize,
 }
 
 /// A light in world space.

@@ -36,7 +36,7 @@ fn of_node(desc: &SceneDesc, index: usize) -> SceneItem {
 /// Things that a view leaves out, by their labels; the scene's text keeps them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LeftOut {
-    /// Labels of things that are hidden with all that is attached to them, but for lights of a model's file.
+    /// Labels of things that are hidden with all that is attached to them, lights of their files too.
     pub hidden: BTreeSet<String>,
     /// Label of a thing that is shown alone, with all that is attached to it, in the light of all lights. Decals that are
     /// attached to nothing stay.
@@ -82,17 +82,25 @@ impl LeftOut {
         let is_left_out = |labels: &[String]| {
             is_hidden(labels) || solo.is_some_and(|solo| !labels.contains(solo))
         };
-        let left_out = names.iter().zip(&instances);
-        let left_out = left_out.filter(|(_, labels)| is_left_out(labels));
-        let models_left_out = models.iter().filter(|(_, label)| is_left_out(label));
+        let instances_of = |is_it: &dyn Fn(&[String]) -> bool| {
+            let all = names.iter().zip(&instances);
+            let all = all.filter(|(_, labels)| is_it(labels));
+            all.map(|(name, _)| name.clone()).collect()
+        };
+        let models_of = |is_it: &dyn Fn(&[String]) -> bool| {
+            let all = models.iter().filter(|(_, label)| is_it(label));
+            all.map(|(name, _)| name.clone()).collect()
+        };
         let goes = |parent: Option<usize>| parent.is_some() && is_left_out(&labels(parent));
         LeftOutNames {
             lights: left_out_of(&desc.lights, |index| {
                 is_hidden(&labels(desc.parents.of_light(index)))
             }),
             decals: left_out_of(&desc.decals, |index| goes(desc.parents.of_decal(index))),
-            instances: left_out.map(|(name, _)| name.clone()).collect(),
-            models: models_left_out.map(|(name, _)| name.clone()).collect(),
+            instances: instances_of(&is_left_out),
+            models: models_of(&is_left_out),
+            dark_instances: instances_of(&is_hidden),
+            dark_models: models_of(&is_hidden),
         }
     }
 }
@@ -188,8 +196,11 @@ mod tests {
             lists.into_iter().flatten().collect::<Vec<_>>()
         };
         assert_eq!(names(&view), ["hand", "lamp", "sign"]);
+        let dark = |view: &LeftOut| view.names(&scene).dark_instances;
+        assert_eq!(dark(&view), ["hand".to_owned()].into());
         view.toggle("instance ball#2", true);
         assert_eq!(names(&view), ["ball", "hand", "floor", "lamp", "sign"]);
+        assert_eq!(dark(&view).len(), 1, "all lights light what is alone");
         view.toggle("group arm", false);
         view.toggle("instance of another scene", true);
         assert_eq!(names(&view), Vec::<String>::new());

@@ -202,6 +202,9 @@ fn lights_and_cameras_follow_moving_instances() {
     assert!(position.distance(Vec3::new(1.0, 2.0, 3.0)) < 1e-5);
     let up = world.cameras[0].value.up;
     assert!(up.distance(moved.transform_vector3(Vec3::Y)) < 1e-5, "{up}");
+    // A hidden instance takes them along.
+    world.leave_out(&[].into(), &[].into(), |light| light.written == Some(0));
+    assert_eq!(world.lights[0].desc.color, Vec3::ZERO);
 }
 
 #[test]

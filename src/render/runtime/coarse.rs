@@ -39,7 +39,9 @@ pub(super) fn world(of: &World, options: &RenderOptions) -> World {
     let room = MAX_LIGHTS.saturating_sub(world.lights.len());
     let lamps = std::mem::take(&mut world.lamps);
     world.lights.extend(stand_ins(&lamps, room));
-    world.light_order = Vec::new();
+    if !lamps.is_empty() {
+        (world.light_order, world.file_lights) = (Vec::new(), Vec::new());
+    }
     // Lights that are left out are dark already, and their indices follow an order that is gone.
     world.left_out = Default::default();
     world.environment.desc.shadow = EnvironmentShadow::None;

@@ -88,7 +88,7 @@ pub struct ViewOverrides {
     /// is shown at the first frame.
     pub camera: Option<String>,
     /// Things that are left out: they are neither seen nor reflected, give no light and cast no shadow. Emissive
-    /// materials with `light = true` and lights of a model's file still shine.
+    /// materials with `light = true` still shine.
     pub left_out: LeftOutNames,
 }
 
@@ -103,6 +103,10 @@ pub struct LeftOutNames {
     pub lights: BTreeSet<String>,
     /// Decals.
     pub decals: BTreeSet<String>,
+    /// Instances whose files' lights are left out too.
+    pub dark_instances: BTreeSet<String>,
+    /// Models that no instance places, whose files' lights are left out too.
+    pub dark_models: BTreeSet<String>,
 }
 
 impl ViewOverrides {
@@ -128,7 +132,15 @@ impl ViewOverrides {
                 instance.shown = if is_left_out { NOT_SHOWN } else { shown };
             }
         }
-        world.leave_out(&self.left_out.lights, &self.left_out.decals);
+        let left_out = &self.left_out;
+        world.leave_out(&left_out.lights, &left_out.decals, |light| {
+            let dark = match light.written {
+                Some(written) => names.get(written).zip(Some(&left_out.dark_instances)),
+                None => (desc.models.get(light.model).map(|model| &model.name))
+                    .zip(Some(&left_out.dark_models)),
+            };
+            dark.is_some_and(|(name, dark)| dark.contains(name))
+        });
     }
 
     /// Index of the chosen camera in a scene; `None` where none is chosen or the scene lacks it.

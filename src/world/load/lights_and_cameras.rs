@@ -64,6 +64,11 @@ impl Extras {
         }
     }
 
+    /// Number of stored lights.
+    pub fn light_count(&self) -> usize {
+        self.lights.len()
+    }
+
     /// Adds lights and cameras of a placed file called `name`; `with_cameras` is set for the first copy of a grid
     /// only.
     pub fn add(

@@ -11,7 +11,7 @@ use super::{
     repeat::{InstancePlacement, copies},
 };
 use crate::{
-    Instance, ListedModel,
+    FileLight, Instance, ListedModel,
     animation::Listed,
     deform::Deformer,
     gltf::Placement,
@@ -130,6 +130,12 @@ impl Loader<'_> {
             let placed = self.world.instances.len();
             self.world.written.resize(placed, job.index);
             self.world.placed_models.resize(placed, job.model);
+            let light = FileLight {
+                written: job.index,
+                model: job.model,
+            };
+            let of_files = extras.light_count() - self.desc.lights.len();
+            self.world.file_lights.resize(of_files, light);
             if placed > MAX_INSTANCES {
                 let text = format!("more than {MAX_INSTANCES} instances");
                 self.errors
