@@ -30,10 +30,8 @@ pub fn gpu() -> Option<&'static Gpu> {
 
 /// The first cases of a list; all of them with `REFLET_LONG`, which `tools/check.sh --full` sets.
 pub fn first_or_all<T>(cases: &[T], count: usize) -> &[T] {
-    match std::env::var_os("REFLET_LONG") {
-        Some(_) => cases,
-        None => &cases[..count],
-    }
+    let count = std::env::var_os("REFLET_LONG").map_or(count, |_| cases.len());
+    &cases[..count]
 }
 
 /// Scene and world from text with `--set` overrides.
