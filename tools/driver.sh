@@ -41,7 +41,7 @@ refresh() {
     local codename repository
     codename="$(sed -n 's/^VERSION_CODENAME=//p' /etc/os-release)"
     repository="$(apt-get indextargets --format '$(REPO_URI) $(CODENAME) $(COMPONENT)' 'Created-By: Packages' |
-        awk -v codename="$codename" '$2 == codename && $3 == "main" { print $1; exit }')"
+        awk -v codename="$codename" '$2 == codename && $3 == "main" && !found++ { print $1 }')"
     [ -n "$repository" ] || fail "apt knows no repository of \"$codename\"; run apt-get update"
     mkdir -p "$apt_folder/lists/partial" "$apt_folder/cache/archives/partial"
     local keyring=/usr/share/keyrings/debian-archive-keyring.gpg option=""

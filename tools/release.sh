@@ -161,7 +161,7 @@ mkdir -p "$driver/licences"
     eval "$(tools/driver.sh newest)"
     unpacked="$(dirname "$VK_DRIVER_FILES")"
     adapter="$(echo "$unpacked"/usr/lib/*/libvulkan_lvp.so)"
-    vulkan="$(ldconfig -p | awk '$1 == "libvulkan.so.1" { print $NF; exit }')"
+    vulkan="$(ldconfig -p | awk '$1 == "libvulkan.so.1" && !found++ { print $NF }')"
     needed="$(ldd "$adapter" "$vulkan" | awk '$3 ~ /^\// { print $3 }' | sort -u |
         grep -vE '/(libc|libm|libdl|librt|libpthread)\.so')"
     for library in "$adapter" "$vulkan" $needed; do
@@ -170,7 +170,7 @@ mkdir -p "$driver/licences"
         folder=/usr/share/doc
         [[ "$library" != "$unpacked"/* ]] || folder="$unpacked$folder"
         # `dpkg -S` knows the packages of the system, and so the names of those that were unpacked.
-        owner="$(dpkg -S "$(basename "$(realpath "$library")" | sed 's/\.so.*//').so*" | sed 's/[:,].*//;q')"
+        owner="$(dpkg -S "$(basename "$(realpath "$library")" | sed 's/\.so.*//').so*" | sed -n '1s/[:,].*//p')"
         cp "$folder/$owner/copyright" "$driver/licences/$owner"
     done
     sed 's|"library_path": *"[^"]*"|"library_path": "./libvulkan_lvp.so"|' \

@@ -11,7 +11,7 @@ use clap::{
 };
 
 pub use super::size_arg::{SizeArg, parse_crop, parse_size, parse_size_or_name, parse_time};
-use super::{error::AppError, lint::since::VERSIONS, relight::Light};
+use super::{error::AppError, lint::since::VERSION, relight::Light};
 use crate::{
     files::Goal,
     output::frames::{Shard, parse_shard},
@@ -369,7 +369,7 @@ pub struct CheckArgs {
     #[command(flatten)]
     pub from: SceneArgs,
     /// Also list what to write in scenes of that version, whose defaults have changed, for their look of then
-    #[arg(long, value_name = "VERSION", value_parser = VERSIONS)]
+    #[arg(long, value_name = "VERSION", value_parser = [VERSION])]
     pub since: Option<String>,
     /// Print all messages as a SARIF 2.1.0 log, for editors and continuous integration
     #[arg(long)]

@@ -212,8 +212,8 @@ struct Checked {
     variants: Vec<String>,
 }
 
-/// State shared by a scene and its variants: files and geometry that were read, their trees, the paths of texts, and
-/// whether defaults that have changed are told.
+/// State and choices shared by a scene and its variants: files and geometry that were read, their trees, the paths of
+/// texts, and whether defaults that have changed are told.
 #[derive(Default)]
 struct Kept {
     assets: KeptAssets,

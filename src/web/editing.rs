@@ -268,13 +268,12 @@ impl Shown {
 
     /// Ends a drag of a handle, or else a move of the camera.
     fn let_go(&mut self) -> Result<Done, String> {
-        let moved = self.editing.moved.take();
         if std::mem::take(&mut self.editing.has_grip) {
             let dragged = self.editing.selection.let_go();
             let changed = dragged.map_or(Ok(Vec::new()), |(item, now)| self.change(item, &[now]));
             return Ok((changed?, true));
         }
-        let (Some(moved), Some(session)) = (moved, &self.session) else {
+        let (Some(moved), Some(session)) = (self.editing.moved.take(), &self.session) else {
             return Ok((Vec::new(), true));
         };
         let mut cameras = session.scene().scene.desc.cameras.iter();

@@ -7,6 +7,8 @@ use super::{KeyChange, camera_controls::CameraControls, presses::KeyAction};
 
 /// Longest drag, in parts of the picture's height: no window is larger.
 pub const MOST_DRAG: f32 = 4.0;
+/// Longest flight of a message, seconds; messages that wait for a picture add up.
+const MOST_FLIGHT_S: f32 = 4.0;
 
 /// Input of a viewer.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -97,7 +99,7 @@ impl Input {
             Self::Dolly { notches } => camera.dolly(notches.clamp(-20.0, 20.0)),
             Self::Fly { by, seconds } => {
                 let along = Vec3::from(by.map(|x| x.clamp(-1.0, 1.0)));
-                camera.fly(along, seconds.clamp(0.0, 0.5));
+                camera.fly(along, seconds.clamp(0.0, MOST_FLIGHT_S));
             }
             _ => return false,
         }

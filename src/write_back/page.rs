@@ -309,6 +309,16 @@ mod tests {
     use super::*;
     use reflet_scene::desc::At;
 
+    /// The page that runs by itself has the whole folder.
+    #[test]
+    fn the_preview_serves_each_file_of_pages() {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/page");
+        let files = std::fs::read_dir(folder).expect("a folder");
+        let mut names: Vec<_> = files.map(|it| it.expect("a file").file_name()).collect();
+        names.sort_unstable();
+        assert!(names.iter().eq(FILES.iter().map(|(name, _)| name)));
+    }
+
     #[test]
     fn keys_have_the_units_that_they_or_their_texts_name() {
         let unit_of = |section, key| unit(key, &meaning(section, key).unwrap_or_default());

@@ -10,8 +10,9 @@ import { begin_timeline } from "./timeline.js";
 const TEXT_FILE = /\.(toml|rhai)$/i;
 const [MOST_BYTES, MOST_TEXT_BYTES] = [512 * 2 ** 20, 4 * 2 ** 20];
 const [TURN_DEG_PER_S, MOST_STEP_S] = [20, 0.25];
-// Inputs that move the camera, the time after which it rests, and why a camera stays.
-const MOVES = ["orbit", "pan", "look", "dolly", "fly", "drag"];
+// Inputs by a held button and all that move the camera, the time after which it rests, and why a camera stays.
+const DRAGS = ["drag", "pan", "look"];
+const MOVES = [...DRAGS, "orbit", "dolly", "fly"];
 const REST_MS = 400;
 const STAYS = "motion, a script or a parent places this camera: change it in the text";
 const LOADING = "loading the renderer";
@@ -96,9 +97,11 @@ export class RefletView extends HTMLElement {
   #pending = 0;
   // How a pack is rendered, by its manifest.
   #options = {};
-  // Whether the shown camera moves, is held, and when it rests.
+  // Whether the shown camera moves and is held, by a button or not, whether a move without a button is to be written, and when.
   #moves = false;
   #isHeld = false;
+  #isDragged = false;
+  #isOwed = false;
   #rest = 0;
   // Method and channel of the right side, and whether it is shown; the last picture.
   #right = { method: null, channel: "picture" };
@@ -208,15 +211,19 @@ export class RefletView extends HTMLElement {
   #hand(message, isMove) {
     if (isMove || message.do === "drop") {
       clearTimeout(this.#rest);
+      const isDrag = DRAGS.includes(message.do);
       this.#isHeld = isMove;
+      this.#isDragged = isDrag || (this.#isDragged && isMove);
+      this.#isOwed ||= isMove && !isDrag;
+      // Other moves are written when they rest and no button is down.
+      if (this.#isOwed && !this.#isDragged) this.#rest = setTimeout(() => this.#drop(), REST_MS);
     }
-    if (isMove && message.do !== "drag") this.#rest = setTimeout(() => this.#drop(), REST_MS);
     this.act(message);
     if (message.do === "hide" || message.action === "scene_camera") this.run(false);
   }
   // The place where a camera rests is written.
   #drop() {
-    this.#isHeld = false;
+    [this.#isHeld, this.#isOwed] = [false, false];
     if (this.edits) this.act({ do: "drop", from: [0, 0] });
     else this.run(false);
   }

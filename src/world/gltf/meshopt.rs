@@ -15,9 +15,6 @@ use super::{
 /// for four channels of 256 vertices.
 const MOST_EXPANSION: u64 = 1024;
 
-/// Elements that are filtered at once.
-const BLOCK: usize = 256;
-
 fn fault(text: impl Into<String>) -> Fault {
     Fault::new("gltf-meshopt", text)
 }
@@ -102,7 +99,7 @@ pub fn check(view: &BufferView, stream: &MeshoptCompression) -> Result<Decoding,
 ///
 /// # Errors
 /// A stream that is cut off or not of its mode. Other garbage may decode to any bytes; an element that no encoder writes
-/// before a filter is zero.
+/// before a filter is zero, or no rotation.
 pub fn decode(decoding: &Decoding, encoded: &[u8]) -> Result<Vec<u8>, Fault> {
     let &Decoding {
         mode,
@@ -129,16 +126,12 @@ pub fn decode(decoding: &Decoding, encoded: &[u8]) -> Result<Vec<u8>, Fault> {
         Filter::Exponential => codec::decode_filter_exp,
         Filter::Color => codec::decode_filter_color,
     };
-    // A refused element leaves its block half decoded, so that the block is read again, element by element.
-    for block in bytes.chunks_mut(BLOCK * stride) {
-        let encoded = block.to_vec();
-        if filter(block, encoded.len() / stride, stride, workspace).is_ok() {
-            continue;
-        }
-        block.copy_from_slice(&encoded);
-        for element in block.chunks_mut(stride) {
-            if filter(element, 1, stride, workspace).is_err() {
-                element.fill(0);
+    let is_rotation = matches!(decoding.filter, Filter::Quaternion);
+    for element in bytes.chunks_mut(stride) {
+        if filter(element, 1, stride, workspace).is_err() {
+            element.fill(0);
+            if is_rotation {
+                element[6..].copy_from_slice(&i16::MAX.to_le_bytes());
             }
         }
     }

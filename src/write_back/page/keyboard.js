@@ -8,9 +8,9 @@ const MOVES = {
   ArrowUp: { do: "orbit", by: [0, -STEP] }, ArrowDown: { do: "orbit", by: [0, STEP] },
   "+": { do: "dolly", notches: 1 }, "-": { do: "dolly", notches: -1 },
 };
-// Keys that fly: right, up, forward; and how much faster they do with Shift.
+// Keys that fly: right, up, forward; how much faster they do with Shift, and the most seconds of a step.
 const FLIGHTS = { a: [-1, 0, 0], d: [1, 0, 0], e: [0, 1, 0], q: [0, -1, 0], s: [0, 0, -1], w: [0, 0, 1] };
-const FASTER = 4;
+const [FASTER, MOST_STEP_S] = [4, 0.25];
 // Keys that buttons, switches and sliders have a use for.
 const OF_CONTROLS = /^( |Enter|Arrow|Home|End|Page|\+|-)/;
 const CONTROLS = ["INPUT", "BUTTON", "SUMMARY", "A"];
@@ -34,7 +34,7 @@ export const begin_keyboard = ({ stage, send, counts, save }) => {
   let [flown, speed] = [null, 1];
   const fly = (now) => {
     if (flying.size === 0) { flown = null; return; }
-    const seconds = flown === null ? 1 / 60 : (now - flown) / 1000;
+    const seconds = flown === null ? 1 / 60 : Math.min(MOST_STEP_S, (now - flown) / 1000);
     const by = [0, 1, 2].map((axis) => [...flying].reduce((sum, key) => sum + FLIGHTS[key][axis], 0));
     flown = now;
     send({ do: "fly", by, seconds: seconds * speed });
@@ -49,15 +49,17 @@ export const begin_keyboard = ({ stage, send, counts, save }) => {
     speed = shiftKey ? FASTER : 1;
   });
   addEventListener("blur", () => flying.clear());
+  addEventListener("focusin", (event) => counts(event.composedPath()[0]) || flying.clear());
 
   addEventListener("keydown", (event) => {
     const [target, key] = [event.composedPath()[0], event.key.toLowerCase()];
-    if (!counts(target) && !help.open) return;
+    const action = action_of(event);
+    // The list of keys closes by its own key or Esc; F12 and Alt are no input of fields.
+    if (help.open ? own[action] !== show_help : !counts(target) && !event.altKey && own[action] !== save) return;
     const is_held = event.ctrlKey || event.metaKey || event.altKey;
     speed = event.shiftKey ? FASTER : 1;
     if (!is_held && FLIGHTS[key]) return start_flight(key);
     if (!is_held && CONTROLS.includes(target.tagName) && OF_CONTROLS.test(event.key)) return;
-    const action = action_of(event);
     const move = target === stage && !is_held && MOVES[event.key];
     if (!move && action === undefined) return;
     event.preventDefault();

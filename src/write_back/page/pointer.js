@@ -63,6 +63,6 @@ export const begin_pointer = (canvas, send) => {
   canvas.addEventListener("wheel", (event) => {
     event.preventDefault();
     const notches = -event.deltaY / NOTCH[event.deltaMode];
-    send({ do: "dolly", notches: Math.max(-MOST_NOTCHES, Math.min(MOST_NOTCHES, notches)) });
+    if (notches) send({ do: "dolly", notches: Math.max(-MOST_NOTCHES, Math.min(MOST_NOTCHES, notches)) });
   }, { passive: false });
 };
