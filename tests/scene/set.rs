@@ -129,9 +129,8 @@ fn parameters_keep_their_kind() {
         assert!(is_float, "{sets:?}: {speed:?}");
     }
     for (set, says) in cases(include_str!("set/refused.txt")) {
-        let set = format!("params.{set}");
-        let read = Scene::from_text(&text, Path::new("scene.toml"), std::slice::from_ref(&set));
-        let errors = read.expect_err(&set);
+        let read = Scene::from_text(&text, Path::new("scene.toml"), &[set.to_owned()]);
+        let errors = read.expect_err(set);
         assert!(errors[0].to_string().contains(says), "{set}: {}", errors[0]);
     }
 }

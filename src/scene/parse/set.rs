@@ -37,7 +37,7 @@ pub fn apply(root: &mut Node, source: &Arc<Source>, report: &mut Report) {
         return;
     };
     let path = segments(&text[..equals], base);
-    let value = value(&text[equals + 1..], base + equals + 1, report);
+    let value = value(&text[equals + 1..], &text[..equals], base, report);
     let Some(path) = path.filter(|p| !p.is_empty()) else {
         let message = "the path before `=` must be names with dots between";
         let error = report.error("bad-set", &(base..base + equals.max(1)), message);
@@ -97,10 +97,10 @@ fn segments(path: &str, base: usize) -> Option<Vec<Segment>> {
     }
 }
 
-/// The value as TOML, or a bare word as text, since shells remove quotes.
-fn value(text: &str, base: usize, report: &mut Report) -> Option<Node> {
+/// The value of a path as TOML, or a bare word as text, since shells remove quotes.
+fn value(text: &str, path: &str, base: usize, report: &mut Report) -> Option<Node> {
     let trimmed = text.trim();
-    let start = base + (text.len() - text.trim_start().len());
+    let start = base + path.len() + 1 + (text.len() - text.trim_start().len());
     let bare = |c: char| c.is_alphanumeric() || "_-./\\:* ".contains(c);
     match parse_value(trimmed) {
         Ok(node) => Some(moved(&node, start)),
@@ -109,9 +109,14 @@ fn value(text: &str, base: usize, report: &mut Report) -> Option<Node> {
             Some(Node::new(at, Content::String(trimmed.into())))
         }
         Err(error) => {
-            let words = in_plain_words(trimmed, &error.at, &error.message, false);
-            let at = words.at.unwrap_or(error.at);
-            let at = start + at.start..start + at.end;
+            // With its key, as the key decides what is right.
+            let before = format!("{} = ", path.trim());
+            let in_line = before.len() + error.at.start..before.len() + error.at.end;
+            let line = before.clone() + trimmed;
+            let words = in_plain_words(&line, &in_line, &error.message, false);
+            let at = words.at.unwrap_or(in_line);
+            let moved = |end: usize| start + end.saturating_sub(before.len());
+            let at = moved(at.start)..moved(at.end);
             report.error("bad-set", &at, words.message).help = words.help;
             None
         }
