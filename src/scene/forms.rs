@@ -52,7 +52,10 @@ pub fn of_file(text: &str) -> Vec<Form> {
 /// An expression as a file of forms has it.
 pub fn pattern(written: &str) -> Regex {
     let pattern = written
-        .replace("<n>", r"(?:[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))")
+        .replace(
+            "<n>",
+            r"(?:0x[0-9A-Fa-f]+|[+-]?(?:[0-9][0-9_]*\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)",
+        )
         .replace("<k>", r"[\p{Alphabetic}\p{N}_.\-]")
         .replace(r"\w", r"[\p{Alphabetic}\p{N}_]")
         .replace(r"\b", r"(?-u:\b)");

@@ -11,6 +11,7 @@ use reflet::{
     scene::{
         diagnostic::{Severity, Source},
         reach::UnsavedTexts,
+        syntax::parse_value,
     },
 };
 
@@ -246,12 +247,17 @@ fn advice_that_is_written_is_not_refused_again() {
             is_error && is_here && !["file-not-found", "dangling-name"].contains(&next.name)
         })
     };
-    let refused = mended
-        .clone()
-        .filter(|(_, (first, text))| is_refused(first, text));
-    let refused: Vec<_> = refused.map(|(stem, _)| stem).collect();
+    let refused = |(stem, (first, text))| is_refused(first, &text).then_some(stem);
+    let refused: Vec<_> = mended.clone().filter_map(refused).collect();
     assert_eq!(refused, FURTHER);
     assert!(mended.count() >= 150, "there is advice to write");
+    let is_no_number = |said: &String| {
+        let new = said.split("write ").nth(1).unwrap_or_default();
+        let new = new.split([' ', ',', ';']).next().unwrap_or_default();
+        new.starts_with(|c: char| "+-.0123456789".contains(c)) && parse_value(new).is_err()
+    };
+    let wrong = all().map(Mistake::sentence).find(is_no_number);
+    assert_eq!(wrong, None);
 }
 
 /// The messages about all mistakes score 2.8 of 3 on average.

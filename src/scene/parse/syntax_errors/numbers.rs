@@ -28,7 +28,7 @@ pub fn number(m: &Mistake) -> Option<Words> {
     let value: f64 = element
         .parse()
         .ok()
-        .filter(|x: &f64| x.to_string() != element)?;
+        .filter(|x: &f64| x.is_finite() && x.to_string() != element)?;
     let message = format!(
         "{} is no number of TOML, which needs digits on both sides of the decimal point, and no leading zeros",
         suggest::key(element)

@@ -23,6 +23,24 @@ static NUMBERS: LazyLock<Regex> = LazyLock::new(|| {
 static THOUSANDS: LazyLock<Regex> =
     LazyLock::new(|| forms::pattern(r"^[1-9][0-9]{0,2}(?:[ ,][0-9]{3})+(?:\.[0-9]+)?$"));
 
+/// A number with a single comma, and signs between thousands alone before the comma.
+static AT_COMMA: LazyLock<Regex> = LazyLock::new(|| {
+    forms::pattern(
+        r"^(?<whole>[+-]?(?:[0-9]{1,3}(?:[. ][0-9]{3})+|[0-9][0-9_]*)),(?<rest>[0-9]+(?:[eE][+-]?[0-9]+)?)$",
+    )
+});
+
+/// Numbers with decimal commas, which other signs divide.
+static DECIMALS: LazyLock<Regex> = LazyLock::new(|| {
+    let number = r"(?:<n>(?:,[0-9]+)?)";
+    forms::pattern(&format!(r"^{number}(?:(?:\s*[;x×*]\s*|\s+){number})+$"))
+});
+
+static ELEMENT: LazyLock<Regex> = LazyLock::new(|| forms::pattern("<n>"));
+static DECIMAL_ELEMENT: LazyLock<Regex> =
+    LazyLock::new(|| forms::pattern("[+-]?[0-9]+,[0-9]+|<n>"));
+static TWO_WHOLE: LazyLock<Regex> = LazyLock::new(|| forms::pattern(r"^[0-9]+\s*\*\s*[0-9]+$"));
+
 /// Numbers of a key in a line.
 struct Numbers<'t> {
     key: &'t str,
@@ -45,26 +63,29 @@ pub fn several(m: &Mistake) -> Option<Words> {
     })?;
     let at = value.find(['(', '<', '[', '{']);
     let inner = at.map_or(value, |at| &value[at + 1..value.len() - 1]);
-    let numbers = Numbers {
-        key: key?.as_str().rsplit('.').next()?,
-        open: at.and_then(|at| value[at..].chars().next()),
-        text: inner.trim(),
-        parts: parts(inner),
-    };
+    let key = key?.as_str().rsplit('.').next()?;
     // A `value` of a track has the type of the key that moves.
-    let name = match numbers.key {
+    let name = match key {
         "value" => m.key.rsplit('.').next()?,
         key => key,
     };
     let none = ValueTypes::default();
     let types = types_of(m.is_project, m.table, name).unwrap_or(&none);
+    let text = inner.trim();
+    let numbers = Numbers {
+        key,
+        open: at.and_then(|at| value[at..].chars().next()),
+        text,
+        parts: parts(text, types)?,
+    };
     let takes_list = !types.lists.is_empty();
-    if numbers.text.contains('*') && (types.number || !takes_list) {
+    if text.contains('*') && (types.number || !(TWO_WHOLE.is_match(text) && types.takes(2))) {
         return None; // a product
     }
-    let explained = match (types.number, takes_list, numbers.open) {
-        (true, false, open) if open != Some('[') => numbers.as_one(types),
-        (number, _, None) if number == takes_list => {
+    let is_one = !takes_list || numbers.open != Some('[') && numbers.parts.len() == 1;
+    let explained = match numbers.open {
+        _ if types.number && is_one => numbers.as_one(types),
+        None if types.number == takes_list => {
             numbers.as_either().or_else(|| numbers.as_list(types))
         }
         _ => numbers.as_list(types),
@@ -75,57 +96,80 @@ pub fn several(m: &Mistake) -> Option<Words> {
     })
 }
 
-/// Numbers that any signs divide, as TOML writes them; commas are decimal where other signs divide the numbers.
-fn parts(text: &str) -> Vec<String> {
-    let has_point = |part: &&str| {
-        part.split_once(',')
-            .is_none_or(|(a, b)| !a.is_empty() && !b.is_empty() && !b.contains(','))
-    };
-    let spaced = || text.split([' ', '\t', ';']).filter(|part| !part.is_empty());
-    let is_decimal =
-        text.contains(',') && spaced().count() > 1 && spaced().all(|part| has_point(&part));
-    if is_decimal {
-        return spaced()
-            .map(|part| number(&part.replace(',', ".")))
-            .collect();
+/// Numbers that any signs divide, as TOML writes them; commas are decimal where other signs divide the numbers, and where
+/// commas divide twice as many numbers as the key takes.
+fn parts(text: &str, types: &ValueTypes) -> Option<Vec<String>> {
+    let elements = |of: &Regex| of.find_iter(text).map(|it| it.as_str()).collect();
+    let mut parts: Vec<&str> = elements(&ELEMENT);
+    let is_paired = text.split(',').all(is_whole)
+        && text.matches(", ").count() + 1 < parts.len()
+        && !types.takes(parts.len())
+        && parts.len().is_multiple_of(2)
+        && types.takes(parts.len() / 2);
+    let joined: Vec<String>;
+    if is_paired {
+        joined = parts.chunks(2).map(|pair| pair.join(",")).collect();
+        parts = joined.iter().map(String::as_str).collect();
+    } else if DECIMALS.is_match(text) {
+        parts = elements(&DECIMAL_ELEMENT);
     }
-    let parts = text.split([' ', '\t', ';', ',', 'x', '×', '*']);
-    parts.filter(|part| !part.is_empty()).map(number).collect()
+    // Whole numbers have commas between thousands.
+    let is_size = !types.lists.is_empty() && !types.fraction;
+    let point = |part: &str| match is_size && THOUSANDS.is_match(part) {
+        true => part.replace(',', ""),
+        false => part.replace(',', "."),
+    };
+    let numbers = parts.into_iter().map(|part| number(&point(part)));
+    numbers.collect()
 }
 
-/// A number as TOML writes it.
-fn number(text: &str) -> String {
-    match (parse_value(text), text.parse::<f64>()) {
-        (Err(_), Ok(number)) => number.to_string(),
-        _ => text.to_owned(),
+/// Whether a text is a whole number in digits.
+fn is_whole(text: &str) -> bool {
+    let digits = text.trim().trim_start_matches(['+', '-']);
+    !digits.is_empty() && digits.chars().all(|c| c.is_ascii_digit())
+}
+
+/// A number as TOML writes it, unless it is too large.
+fn number(text: &str) -> Option<String> {
+    if parse_value(text).is_ok() {
+        return Some(text.to_owned());
     }
+    let number: f64 = text.parse().ok()?;
+    number.is_finite().then(|| number.to_string())
 }
 
 impl Numbers<'_> {
     /// Digits before and behind a single comma without blanks.
-    fn at_comma(&self) -> Option<(&str, &str)> {
-        let (whole, rest) = self.text.split_once(',')?;
-        let is_digit = |c: char| c.is_ascii_digit();
-        let is_whole = whole.ends_with(is_digit) && rest.chars().all(is_digit);
-        is_whole.then_some((whole, rest))
+    fn at_comma(&self) -> Option<(String, &str)> {
+        let found = AT_COMMA.captures(self.text)?;
+        let whole = found.name("whole")?.as_str().replace(['.', ' '], "");
+        Some((whole, found.name("rest")?.as_str()))
+    }
+
+    /// The digits of a number with commas or spaces between its thousands.
+    fn joined(&self) -> Option<String> {
+        let is_it = THOUSANDS.is_match(self.text);
+        is_it.then(|| self.text.replace([' ', ','], ""))
     }
 
     /// The numbers as a single one.
     fn as_one(&self, types: &ValueTypes) -> Option<Words> {
         let named = suggest::key(self.text);
         let is_decimal = types.fraction && self.at_comma().is_some();
-        if THOUSANDS.is_match(self.text) && !is_decimal {
-            let digits = self.text.replace([' ', ','], "");
-            let message = format!("{named} has commas or spaces, which no number has");
-            return words(message, format!("write {digits}"));
+        if let Some(digits) = self.joined().filter(|_| !is_decimal) {
+            return words(
+                format!("{named} {THOUSANDS_SIGNS}"),
+                format!("write {digits}"),
+            );
         }
         match (self.at_comma(), self.parts.as_slice()) {
-            (_, [one]) => words(
-                "a number stands without parentheses `( )`",
-                format!("write {one}"),
-            ),
+            (_, [one]) => {
+                let open = self.open?;
+                let message = format!("a number stands without brackets, here `{open}`");
+                words(message, format!("write {one}"))
+            }
             (Some((whole, rest)), _) if types.fraction => {
-                let number = number(&format!("{whole}.{rest}"));
+                let number = number(&format!("{whole}.{rest}"))?;
                 (self.as_thousands()).or_else(|| words(DECIMAL, format!("write {number}")))
             }
             (_, parts) => {
@@ -139,8 +183,13 @@ impl Numbers<'_> {
 
     /// The numbers where one number and a list are right, or the key is unknown.
     fn as_either(&self) -> Option<Words> {
-        let (whole, rest) = self.at_comma()?;
-        let (point, list) = (number(&format!("{whole}.{rest}")), self.parts.join(", "));
+        let list = self.parts.join(", ");
+        let Some((whole, rest)) = self.at_comma() else {
+            let message = format!("{} {THOUSANDS_SIGNS}", suggest::key(self.text));
+            let digits = self.joined()?;
+            return words(message, format!("write {digits}, or [{list}] as a list"));
+        };
+        let point = number(&format!("{whole}.{rest}"))?;
         let help = format!("write {point}, or as a list [{list}]");
         self.as_thousands().or_else(|| words(DECIMAL, help))
     }
@@ -148,8 +197,10 @@ impl Numbers<'_> {
     /// A number that may have a decimal comma, or a comma between thousands.
     fn as_thousands(&self) -> Option<Words> {
         let (whole, rest) = self.at_comma()?;
-        let may_be = rest.len() == 3 && whole.trim_start_matches(['+', '-']) != "0";
-        let [point, joined] = [".", ""].map(|sign| number(&[whole, sign, rest].concat()));
+        let is_grouped = rest.len() == 3 && is_whole(rest) && !self.text.contains(['.', ' ']);
+        let may_be = is_grouped && whole.trim_start_matches(['+', '-']) != "0";
+        let [point, joined] = [".", ""].map(|sign| number(&[&whole, sign, rest].concat()));
+        let (point, joined) = (point?, joined?);
         let message = format!("`{whole},{rest}` is no number: commas stand between numbers");
         let help = format!("write {joined}, or {point} with a decimal point");
         may_be.then(|| words(message, help))?
@@ -174,10 +225,17 @@ impl Numbers<'_> {
             None => "a list stands in square brackets `[ ]`, with commas".into(),
         };
         let count = self.parts.len() as u64;
-        let is_long_enough = types.lists.iter().any(|lengths| lengths.contains(&count));
         let mut list = self.parts.clone();
         let help = match types.lists.first() {
-            Some(lengths) if !is_long_enough => {
+            // Zeros behind a scale would flatten the thing.
+            Some(lengths) if !types.takes(list.len()) && types.number => {
+                let (length, one) = (lengths.end(), list.first()?);
+                format!(
+                    "write one number, as in `{} = {one}`, or a list of {length}",
+                    self.key
+                )
+            }
+            Some(lengths) if !types.takes(list.len()) => {
                 let length = count.clamp(*lengths.start(), *lengths.end());
                 list.resize(length as usize, "0".to_owned());
                 let list = list.join(", ");
@@ -190,3 +248,4 @@ impl Numbers<'_> {
 }
 
 const DECIMAL: &str = "numbers have a decimal point `.`, not a comma `,`";
+const THOUSANDS_SIGNS: &str = "has commas or spaces, which no number has";

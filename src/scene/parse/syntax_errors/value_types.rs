@@ -13,13 +13,19 @@ use crate::{
 #[derive(Default)]
 pub struct ValueTypes {
     pub number: bool,
-    /// Whether numbers need not be whole.
+    /// Whether numbers, or the elements of lists, need not be whole.
     pub fraction: bool,
     /// Allowed lengths of lists; empty where the key takes no list.
     pub lists: Vec<RangeInclusive<u64>>,
 }
 
 impl ValueTypes {
+    /// Whether the key takes lists of a length.
+    pub fn takes(&self, length: usize) -> bool {
+        let takes = |lengths: &RangeInclusive<u64>| lengths.contains(&(length as u64));
+        self.lists.iter().any(takes)
+    }
+
     /// Adds the types of a schema, and for names of the user's choice the types of their values.
     fn add(&mut self, schema: &Json) {
         let any = schema["anyOf"].as_array().into_iter().flatten();
@@ -31,6 +37,7 @@ impl ValueTypes {
                 let length = |key, default| schema[key].as_u64().unwrap_or(default);
                 let lengths = length("minItems", 0)..=length("maxItems", u64::MAX);
                 self.lists.push(lengths);
+                self.fraction |= schema["items"]["type"] == "number";
             }
             Some(kind @ ("number" | "integer")) => {
                 self.number = true;
