@@ -63,7 +63,7 @@ pub fn several(m: &Mistake) -> Option<Words> {
     })?;
     let at = value.find(['(', '<', '[', '{']);
     let inner = at.map_or(value, |at| &value[at + 1..value.len() - 1]);
-    let key = key?.as_str().rsplit('.').next()?;
+    let key = key?.as_str().rsplit('.').next()?.trim_matches(['"', '\'']);
     // A `value` of a track has the type of the key that moves.
     let name = match key {
         "value" => m.key.rsplit('.').next()?,
@@ -154,13 +154,10 @@ impl Numbers<'_> {
 
     /// The numbers as a single one.
     fn as_one(&self, types: &ValueTypes) -> Option<Words> {
-        let named = suggest::key(self.text);
         let is_decimal = types.fraction && self.at_comma().is_some();
         if let Some(digits) = self.joined().filter(|_| !is_decimal) {
-            return words(
-                format!("{named} {THOUSANDS_SIGNS}"),
-                format!("write {digits}"),
-            );
+            let message = format!("{} {THOUSANDS_SIGNS}", suggest::key(self.text));
+            return words(message, format!("write {digits}"));
         }
         match (self.at_comma(), self.parts.as_slice()) {
             (_, [one]) => {
