@@ -64,8 +64,7 @@ done
 export RUSTFLAGS
 
 heading "Program"
-# With the features of the module of Python too, which then compiles nothing anew but its own dependencies.
-cargo zigbuild --release --locked --target "$target.$glibc" -p reflet -p reflet-python --bins
+cargo zigbuild --release --locked --target "$target.$glibc"
 program="${CARGO_TARGET_DIR:-$root/target}/$target/release/reflet"
 
 # Sorted, with the time of the commit and owned by root, as are all archives here.
@@ -203,7 +202,7 @@ glibc_tag="${glibc_of_driver#GLIBC_}"
 wheel tags --remove --platform-tag "manylinux_${glibc_tag/./_}_x86_64" "$work"/software/*.whl >/dev/null
 mv "$work"/software/*.whl "$work/out/"
 maturin build -q --release --locked --zig --target "$target" --compatibility "manylinux_${glibc/./_}" \
-    --manifest-path src/python/Cargo.toml --features as-program --out "$work/wheel"
+    --manifest-path src/python/Cargo.toml --out "$work/wheel"
 # The program comes with the package, beside Python's own.
 wheel unpack --dest "$work/wheel" "$work"/wheel/reflet-*.whl >/dev/null
 install -D -m 755 "$program" "$work/wheel/reflet-$version/reflet-$version.data/scripts/reflet"
