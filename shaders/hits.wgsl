@@ -29,7 +29,7 @@ fn shade_pixel(pixel: vec2u) {
         var s = surface_at(found.y, found.z, unpack2x16unorm(found.w), direction, cone.width_m);
         s.emission *= met_emission(ray, found.y, found.z, distance_m, s);
         var reused = vec2u(0u);
-        if (REUSES_LIGHT) { reused = reused_visibility(visible_lights, s); }
+        if (REUSES_LIGHT) { reused = reused_visibility(s); }
         color = met_light(ray, s, reused);
         start = scattered_by_surface(ray, s);
     }

@@ -9,9 +9,6 @@
 @group(2) @binding(7) var visible_lights: texture_storage_2d<rg32uint, write>;
 @group(2) @binding(8) var counts: texture_storage_2d<rgba32uint, write>; // with COUNT
 
-// Whether a later pass may reuse which lights reach the surface of a pixel.
-override REUSES_LIGHT: bool = true;
-
 // Whether the camera sees the environment.
 override SHOW_ENVIRONMENT: bool = true;
 // Whether the background is transparent.

@@ -11,6 +11,7 @@
 @group(2) @binding(6) var transmitted_light: RadianceTexture;
 @group(2) @binding(11) var counts: texture_storage_2d<rgba32uint, write>; // with COUNT
 
+const MIRRORED: bool = false;
 const FIRST_VERTEX: u32 = 64u; // offset of sample numbers: others than for reflections
 
 // Surface of a pixel, with the material's values that the G-buffer does not hold.

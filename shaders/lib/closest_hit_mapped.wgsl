@@ -3,6 +3,6 @@
 #import map
 
 // Length of a pixel's ray that need not be followed.
-fn free_start_m(pixel: vec2u) -> f32 {
+fn march_free_m(pixel: vec2u) -> f32 {
     return 0.0;
 }

@@ -3,14 +3,14 @@
 #import bvh
 #import cause
 
-@group(2) @binding(5) var cause: texture_2d<u32>;
+@group(2) @binding(13) var cause: texture_2d<u32>;
 
 // Number of steps in maps, of which there are none, and how a ray ended in them.
 const map_steps: u32 = 0u;
 const map_cause: u32 = CAUSE_UNMARCHED;
 
 // Length of a pixel's ray that the march has found free.
-fn free_start_m(pixel: vec2u) -> f32 {
+fn march_free_m(pixel: vec2u) -> f32 {
     return free_m(textureLoad(cause, pixel, 0).x);
 }
 

@@ -1,11 +1,18 @@
-// Diffuse interreflection: paths also continue in directions that diffuse surfaces scatter.
+// Paths, ray by ray; with diffuse interreflection they also continue in directions that diffuse surfaces scatter.
+// A pass says by MIRRORED whether its paths are the mirror rays of pixels, which may march through maps.
 
 #import in_scattering
+#import closest_hit
 #import cone
 #import area_sampling
 #import layers
+#import light_reuse
 #import lobe
 #import sampling
+
+// Whether hits are shaded. false: the same rays are followed and their hits written, to measure how
+// much of the time traversal takes.
+override SHADE: bool = true;
 
 // Whether the background is transparent, where the camera sees it through surfaces of partial coverage.
 override HIDES_BACKGROUND: bool = false;
@@ -19,6 +26,10 @@ const MOST_LIKELY: f32 = 0.95; // maximum survival probability
 var<private> path_weight: vec3f = vec3f(1.0);
 var<private> path_vertices: u32 = 0u;
 var<private> first_m: f32 = FAR_M; // length of the first ray that was followed
+var<private> free_start_m: f32 = 0.0; // length of it that the march has found free
+var<private> first_hit: vec4u = vec4u(0u, NONE, NONE, 0u); // with MIRRORED: its distance, instance and triangle
+// With MIRRORED, how it ended in a map; CAUSE_UNMARCHED where trees ended it.
+var<private> first_cause: u32 = CAUSE_UNMARCHED;
 
 // Number of diffuse scatterings of the path, which do not count as bounces.
 fn scatterings() -> u32 {
@@ -100,6 +111,14 @@ struct Start {
     origin: vec3f,
 }
 
+// The nearest hit of a ray of a path.
+fn hit_of_path(origin: vec3f, direction: vec3f, is_first: bool) -> Hit {
+    if (!MIRRORED) { return trace_nearest(origin, direction, 0.0, FAR_M); }
+    let h = closest_hit(origin, direction, select(0.0, free_start_m, is_first), reach_m());
+    if (is_first) { first_cause = map_cause; }
+    return h;
+}
+
 // Light that a path gathers. `vertex` is the number of its first samples, `hits` the number of its earlier hits;
 // `is_seen`: whether the camera looks straight along its first ray. w: share that is covered by surfaces rather than the
 // background, for such a path.
@@ -114,11 +133,12 @@ fn gathered_by_path(pixel: vec2u, vertex: u32, hits: u32, start: Start, first: C
     for (var k = 0u; k < frame.bounces + crossings() + scatterings(); k++) {
         if (max(throughput.x, max(throughput.y, throughput.z)) < frame.dimmest) { break; }
         start_samples(pixel, vertex + k);
-        let h = trace_nearest(origin, ray.direction, 0.0, FAR_M);
+        let h = hit_of_path(origin, ray.direction, k == 0u);
         let end = seen_at_end(origin, ray, h.instance, h.t);
         throughput *= medium_transmittance(end.distance_m);
         if (k == 0u) { first_m = end.distance_m; }
-        if (HAS_FOG) {
+        if (MIRRORED && k == 0u && !end.is_seen) { first_hit = vec4u(bitcast<u32>(h.t), h.instance, h.triangle, 0u); }
+        if (HAS_FOG && SHADE) {
             let air = through_air(origin, ray, end.distance_m);
             color += found_light(throughput * air.light, hits + k);
             throughput *= air.share;
@@ -140,11 +160,17 @@ fn gathered_by_path(pixel: vec2u, vertex: u32, hits: u32, start: Start, first: C
             color += found_light(throughput * end.radiance, hits + k);
             break;
         }
+        // Without shading, a surface only matters where the path may continue from it.
+        if (!SHADE && k + 1u == frame.bounces + crossings() + scatterings()) { break; }
         cone = continued(cone, h.t);
         var s = surface_at(h.instance, h.triangle, h.bary, ray.direction, cone.width_m);
         s.emission *= met_emission(ray, h.instance, h.triangle, h.t, s);
-        color += found_light(throughput * met_light(ray, s, vec2u(0u)), hits + k);
-        if (AIMS_THROUGH && first_way != ANY_WAY && !is_aimed_through(s)) {
+        if (SHADE) {
+            var reused = vec2u(0u);
+            if (MIRRORED && REUSES_LIGHT) { reused = reused_visibility(s); }
+            color += found_light(throughput * met_light(ray, s, reused), hits + k);
+        }
+        if (!MIRRORED && AIMS_THROUGH && first_way != ANY_WAY && !is_aimed_through(s)) {
             if (first_way == BACK) { break; }
             first_way = ANY_WAY;
         }
@@ -153,6 +179,8 @@ fn gathered_by_path(pixel: vec2u, vertex: u32, hits: u32, start: Start, first: C
         ray = next_ray(ray, s);
         throughput *= ray.weight;
         is_straight = is_straight && s.transmission <= 0.0 && dot(ray.direction, start.ray.direction) > 0.99999;
+        // A transmitted ray keeps its cone; a mirrored one has its cone widened by the curvature.
+        if (MIRRORED && dot(ray.direction, s.geometric_normal) > 0.0) { cone = mirrored_cone(cone, s.curvature); }
         origin = onward_origin(s, ray.direction);
     }
     return vec4f(color, 1.0);

@@ -9,11 +9,10 @@
 #import gbuffer
 #import screen_ray
 
-// Whether some light casts its shadow by rays.
-override REUSES_LIGHT: bool = true;
+@group(2) @binding(14) var visible_lights: texture_2d<u32>; // shadow ray results of the light pass
 
 // Light bits of the pixels around a point that lie on its plane; 0 unless their bilinear weight is at least half.
-fn reused_visibility(stored: texture_2d<u32>, s: Surface) -> vec2u {
+fn reused_visibility(s: Surface) -> vec2u {
     if (frame.reuse_light == 0u) { return vec2u(0u); }
     let distance_m = dot(s.position - frame.eye, frame.forward);
     if (distance_m <= frame.near_m) { return vec2u(0u); }
@@ -34,7 +33,7 @@ fn reused_visibility(stored: texture_2d<u32>, s: Surface) -> vec2u {
         if (abs(away_m) > tolerance_m || dot(normal, s.geometric_normal) < 0.9) { continue; }
         let weights = mix(1.0 - part, part, offset);
         weight += weights.x * weights.y;
-        agreed &= textureLoad(stored, vec2u(pixel), 0).xy;
+        agreed &= textureLoad(visible_lights, vec2u(pixel), 0).xy;
     }
     return select(vec2u(0u), agreed, weight >= 0.5);
 }

@@ -13,6 +13,9 @@
 #import shadow
 #import sheen
 
+// Whether later passes may reuse which lights reach the surface of a pixel: some light casts its shadow by rays.
+override REUSES_LIGHT: bool = true;
+
 // Light bits, two for each of the first REUSED_LIGHTS: 0 is unknown or partly lit.
 const REUSED_DARK: u32 = 1u;
 const REUSED_LIT: u32 = 2u;

@@ -5,7 +5,7 @@
 #import indirect
 #import light_reuse
 
-@group(2) @binding(7) var visible_lights: texture_2d<u32>; // shadow ray results of the light pass, reused here
+const MIRRORED: bool = false;
 
 // The pixel's cone where its reflection ray has gone a distance.
 fn reflected_cone(first: Surface, at_m: f32) -> Cone {
@@ -21,6 +21,6 @@ fn light_of_hit(pixel: vec2u, first: Surface, ray: Reflected, hit_surface: Surfa
     let end = seen_at_end(first.position, ray, id.x, at_m);
     if (end.is_seen) { return end.radiance; }
     var reused = vec2u(0u);
-    if (REUSES_LIGHT) { reused = reused_visibility(visible_lights, s); }
+    if (REUSES_LIGHT) { reused = reused_visibility(s); }
     return met_light(ray, s, reused) + followed(pixel, 2u, 1u, scattered_by_surface(ray, s), cone);
 }

@@ -16,8 +16,7 @@
 @group(2) @binding(1) var captured_hits: texture_storage_2d_array<rgba32uint, write>; // distance, instance, triangle, place
 @group(2) @binding(2) var<uniform> params: Params;
 
-// Radiance of stored light, over its value in 16 bits: a power of two.
-override EMISSION_SCALE: f32 = 1.0;
+const MIRRORED: bool = false;
 
 struct Seen {
     light: vec4f, // w: 1 where the ray meets a surface, clear panes left out
