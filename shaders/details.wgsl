@@ -1,4 +1,4 @@
-// Details: specular color, sheen, anisotropy and clear coat normals of the surfaces that pixels show, for which the
+// Details: specular color, sheen, anisotropy, clear coat normals and more of the surfaces that pixels show, for which the
 // G-buffer has no bits; layer 0 is a copy of the G-buffer's colors.
 
 #import details_layout
@@ -17,7 +17,5 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     if (hit.x != NONE) { s = pixel_surface(pixel, hit).surface; }
     textureStore(details, pixel, 0, textureLoad(colors, pixel, 0));
     textureStore(details, pixel, 1, pack_details(s));
-    if (HAS_COAT_NORMALS || HAS_ANISOTROPY) {
-        textureStore(details, pixel, 2, vec4u(pack_unit(s.coat_normal), pack_unit(s.tangent), bitcast<u32>(s.anisotropy), 0u));
-    }
+    if (HAS_FURTHER_DETAILS) { textureStore(details, pixel, 2, pack_further_details(s)); }
 }

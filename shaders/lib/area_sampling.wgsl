@@ -1,6 +1,7 @@
 // Sampling of everything with an extent: lights with a size, and reflections of rough surfaces.
 
 #import fog
+#import diffuse
 #import dispersion
 #import frame
 #import lamp_shape
@@ -138,7 +139,7 @@ struct Receiver {
 
 fn returned(s: Surface, view: vec3f, to: Receiver, l: LightSample, aimed: f32, specular_share: f32) -> Returned {
     var r = Returned(s.position, l.to_light, l.distance_m, vec3f(0.0), vec3f(0.0), 1.0);
-    r.diffuse = (to.albedo + sheen(s, view, l.to_light)) * l.color * (dot(s.normal, l.to_light) / PI * aimed);
+    r.diffuse = (diffuse_towards(s, to.albedo, view, l.to_light) + sheen(s, view, l.to_light)) * l.color * (dot(s.normal, l.to_light) / PI * aimed);
     if (to.has_specular) { r.specular = ggx(s, view, l.to_light) * l.color * specular_share; }
     return r;
 }

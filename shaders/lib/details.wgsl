@@ -16,13 +16,6 @@ fn packed_colors(pixel: vec2u) -> vec4u {
 fn detailed(s: Surface, pixel: vec2u) -> Surface {
     if (!HAS_DETAILS) { return s; }
     var whole = with_details(s, textureLoad(details, pixel, 1, 0));
-    if (HAS_COAT_NORMALS || HAS_ANISOTROPY) {
-        let frames = textureLoad(details, pixel, 2, 0);
-        if (HAS_COAT_NORMALS) { whole.coat_normal = unpack_unit(frames.x); }
-        if (HAS_ANISOTROPY) {
-            whole.tangent = unpack_unit(frames.y);
-            whole.anisotropy = bitcast<f32>(frames.z);
-        }
-    }
-    return whole;
+    if (!HAS_FURTHER_DETAILS) { return whole; }
+    return with_further_details(whole, textureLoad(details, pixel, 2, 0));
 }

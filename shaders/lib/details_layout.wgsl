@@ -3,6 +3,9 @@
 
 #import scene
 
+// Whether surfaces have details in a second layer.
+override HAS_FURTHER_DETAILS: bool = true;
+
 fn pack_details(s: Surface) -> vec4u {
     return vec4u(
         // No color is negative, so that a sign is free.
@@ -21,5 +24,23 @@ fn with_details(surface: Surface, bits: vec4u) -> Surface {
     let rest = unpack2x16unorm(bits.w);
     s.sheen_color = vec3f(unpack2x16unorm(bits.z), rest.x);
     s.sheen_roughness = rest.y;
+    return s;
+}
+
+fn pack_further_details(s: Surface) -> vec4u {
+    let rest = pack2x16unorm(vec2f(s.diffuse_roughness, s.coat_reflectivity));
+    return vec4u(pack_unit(s.coat_normal), pack_unit(s.tangent), bitcast<u32>(s.anisotropy), rest);
+}
+
+fn with_further_details(surface: Surface, bits: vec4u) -> Surface {
+    var s = surface;
+    let rest = unpack2x16unorm(bits.w);
+    if (HAS_COAT_NORMALS) { s.coat_normal = unpack_unit(bits.x); }
+    if (HAS_COAT_INDICES) { s.coat_reflectivity = rest.y; }
+    if (HAS_ROUGH_DIFFUSE) { s.diffuse_roughness = rest.x; }
+    if (HAS_ANISOTROPY) {
+        s.tangent = unpack_unit(bits.y);
+        s.anisotropy = bitcast<f32>(bits.z);
+    }
     return s;
 }

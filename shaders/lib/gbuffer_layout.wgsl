@@ -95,6 +95,7 @@ fn unpack_surface(bits: vec4u, packed: vec4u) -> Surface {
     s.has_index = HAS_INDICES && (bits.w & 0x8000u) != 0u;
     s.reflection = (bits.w >> 16u) & 3u;
     s.emission = vec3f(unpack2x16float(packed.z), unpack2x16float(packed.w).x) * EMISSION_SCALE;
+    s.coat_reflectivity = COAT_REFLECTIVITY;
     if (!HAS_LAYERS) {
         s.unlit = ((bits.w >> 18u) & 1u) != 0u;
         let lift = bits.w >> 19u;

@@ -5,6 +5,7 @@
 #import closest_hit
 #import cone
 #import area_sampling
+#import diffuse
 #import layers
 #import light_reuse
 #import lobe
@@ -65,7 +66,7 @@ fn scattered_ray(s: Surface, view: vec3f, albedo: vec3f) -> Reflected {
     leave_vertex(s.position);
     let out = cosine_direction(s.normal, sample_square(sample_index(), SCATTER_PAIR));
     if (dot(out, s.geometric_normal) <= 0.0) { return Reflected(s.normal, vec3f(0.0), TAKEN, 0.0, 1.0, s.normal); }
-    let weight = albedo + sheen(s, view, out) * scattered_share(s, view);
+    let weight = diffuse_towards(s, albedo, view, out) + sheen(s, view, out) * scattered_share(s, view);
     return Reflected(out, weight, scattered_density(dot(s.normal, out)), 0.0, 1.0, s.normal);
 }
 

@@ -165,7 +165,7 @@ fn coat_of(s: Surface) -> Surface {
     coat.metallic = 0.0;
     coat.roughness = s.clearcoat_roughness;
     coat.normal = coat_normal(s);
-    coat.reflectivity = COAT_REFLECTIVITY;
+    coat.reflectivity = s.coat_reflectivity;
     coat.has_index = false;
     coat.transmission = 0.0;
     coat.alpha = 1.0;
@@ -174,6 +174,7 @@ fn coat_of(s: Surface) -> Surface {
     coat.specular_color = vec3f(1.0);
     coat.has_film = false;
     coat.sheen_color = vec3f(0.0);
+    coat.diffuse_roughness = 0.0;
     coat.anisotropy = 0.0;
     return coat;
 }
@@ -187,7 +188,7 @@ fn below_coat(s: Surface) -> Surface {
 // Share of the light below the coat that passes it towards the view.
 fn coat_transmittance(s: Surface, cosine: f32) -> f32 {
     if (!HAS_COATS) { return 1.0; }
-    return 1.0 - s.clearcoat * coat_albedo(select(s.clearcoat_roughness, 0.0, s.reflection == REFLECTION_MIRROR), cosine);
+    return 1.0 - s.clearcoat * coat_albedo(s, select(s.clearcoat_roughness, 0.0, s.reflection == REFLECTION_MIRROR), cosine);
 }
 
 fn shade(s: Surface, view: vec3f, reused: vec2u) -> Shade {

@@ -48,8 +48,6 @@ fn shown_lobe(s: Surface, view: vec3f) -> vec4f {
     return vec4f(lobe.xy * groove_share(s, view), lobe.zw);
 }
 
-const COAT_REFLECTIVITY: f32 = 0.04; // KHR_materials_clearcoat: an index of refraction of 1.5
-
 // Albedo under uniform light of a lobe with reflectance `f` at normal incidence, single scattering: the split sum of
 // Karis 2013.
 fn split_sum(f: vec3f, grazing: f32, lobe: vec4f) -> vec3f {

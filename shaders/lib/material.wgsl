@@ -24,6 +24,7 @@ struct Surface {
     alpha: f32,
     clearcoat: f32,
     clearcoat_roughness: f32,
+    coat_reflectivity: f32, // of the clear coat at normal incidence
     ior: f32,
     dispersion: f32, // 20 over the Abbe number
     absorption: vec3f,
@@ -43,6 +44,7 @@ struct Surface {
     // Set with HAS_SHEEN.
     sheen_color: vec3f,
     sheen_roughness: f32,
+    diffuse_roughness: f32, // with HAS_ROUGH_DIFFUSE
 }
 
 // Whether some surface is transmissive or has a clear coat.
@@ -53,11 +55,18 @@ override HAS_TINTS: bool = true;
 
 override HAS_SHEEN: bool = true;
 
+// Whether some diffuse reflection is rough.
+override HAS_ROUGH_DIFFUSE: bool = true;
+
 // Whether some opaque material has an index of refraction.
 override HAS_INDICES: bool = true;
 
 // Whether some specular lobe is anisotropic.
 override HAS_ANISOTROPY: bool = true;
+
+// Whether some clear coat has an index of refraction other than 1.5, the index of KHR_materials_clearcoat.
+override HAS_COAT_INDICES: bool = true;
+const COAT_REFLECTIVITY: f32 = 0.04;
 
 // Whether some clear coat has a normal map other than the base layer's.
 override HAS_COAT_NORMALS: bool = true;
@@ -66,6 +75,8 @@ override HAS_COAT_NORMALS: bool = true;
 fn material_surface(m: u32) -> Surface {
     var s = plain_surface(m);
     s.has_index = HAS_INDICES && (material_reflection(m) & OF_INDEX) != 0u;
+    s.coat_reflectivity = COAT_REFLECTIVITY;
+    if (HAS_COAT_INDICES) { s.coat_reflectivity = material_coat_reflectivity(m); }
     s.occlusion = 1.0;
     s.reflection = material_reflection(m) & ~OF_INDEX;
     s.unlit = material_unlit(m) != 0u;

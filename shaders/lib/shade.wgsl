@@ -1,6 +1,7 @@
 // Light on a surface: one function for rasterized pixels, screen hits and traced hits.
 
 #import ambient
+#import diffuse
 #import emitters
 #import energy
 #import environment
@@ -94,7 +95,7 @@ fn goes_on(s: Surface) -> bool {
 
 // Share of light that the surface scatters diffusely, below its specular lobe.
 fn diffuse_albedo(s: Surface, view: vec3f) -> vec3f {
-    return s.base_color * (1.0 - s.metallic) * unreflected(s, view) * reflected_share(s) * base_share(s, view);
+    return diffuse_color(s, view) * (1.0 - s.metallic) * unreflected(s, view) * reflected_share(s) * base_share(s, view);
 }
 
 // Share of the light from other surfaces that the surface scatters, by all of its layers.
@@ -189,7 +190,7 @@ fn shade_layer(s: Surface, view: vec3f, reused: vec2u) -> Shade {
             out.visible[i >> 4u] |= bits << (2u * (i & 15u));
         }
         let lit = l.color * visible * shown_share(i);
-        out.diffuse += (albedo + sheen(s, view, l.to_light)) * lit * (nl / PI);
+        out.diffuse += (diffuse_towards(s, albedo, view, l.to_light) + sheen(s, view, l.to_light)) * lit * (nl / PI);
         if (has_specular && is_reflected(i)) { out.specular += ggx(s, view, l.to_light) * lit; }
     }
     let sampled = sampled_light(s, view, albedo);

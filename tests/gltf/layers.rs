@@ -79,6 +79,8 @@ fn specular_sheen_and_the_textures_of_layers_are_read() {
     let film_nm = (m.iridescence_least_nm, m.iridescence_thickness_nm);
     assert_eq!(film_nm, (50.0, 650.0));
     assert_eq!((m.anisotropy, m.dispersion), (Some(0.25), Some(2.0)));
+    let drafts = (m.clearcoat_ior, m.diffuse_roughness);
+    assert_eq!(drafts, (Some(2.0), Some(0.75)));
     assert!((m.anisotropy_rotation_deg - 0.5_f32.to_degrees()).abs() < 1e-4);
     // Textures of layers with a factor of 0 are not loaded.
     doc.json["materials"][0]["extensions"] = json!({

@@ -272,17 +272,22 @@ fn a_clear_coat_reflects_like_glass_and_takes_that_from_below() {
     let Some(gpu) = gpu() else { return };
     let coat = "base_color = [0, 0, 0]\nreflectivity = 0\nemission = [0, 0.5, 0]\nclearcoat = 1";
     let text = wall_and(&thing(PANE, coat));
-    for (roughness, samples) in [(0.0, 1), (0.5, 64)] {
+    for (roughness, samples, ior, share) in [
+        (0.0, 1, 1.5, 0.04),
+        (0.5, 64, 1.5, 0.04),
+        (0.0, 1, 2.0, 1.0 / 9.0),
+    ] {
         let set = [
             &*format!("material.thing.clearcoat_roughness={roughness}"),
             &format!("image.samples={samples}"),
+            &format!("material.thing.clearcoat_ior={ior}"),
             "environment.color=[1, 1, 1]",
             "reflection.roughness_cutoff=1",
         ];
         let found = mean(&render(gpu, &text, &set, &[]));
         let lobe = directional_albedo(1.0, roughness) as f32;
-        assert_close(found[0], 0.04 * lobe, 0.05);
-        assert_close(found[1], 0.04 * lobe + 0.96 * 0.5, 0.01);
+        assert_close(found[0], share * lobe, 0.05);
+        assert_close(found[1], share * lobe + (1.0 - share) * 0.5, 0.01);
     }
 }
 

@@ -76,6 +76,7 @@ fn material(random: &mut Random) -> String {
         key("alpha", random.between(0.0, 1.0).to_string());
         key("dispersion", random.between(0.0, 40.0).to_string());
         key("ior", random.between(1.0, 4.0).to_string());
+        key("clearcoat_ior", random.between(1.0, 4.0).to_string());
         key("thickness_m", random.between(0.0, 2.0).to_string());
         key("attenuation_color", format!("{:?}", random.color(1.0)));
         key(
@@ -88,6 +89,7 @@ fn material(random: &mut Random) -> String {
         key("specular_color", format!("{:?}", random.color(30.0)));
         key("sheen_color", format!("{:?}", random.color(1.0)));
         key("sheen_roughness", random.between(0.0, 1.0).to_string());
+        key("diffuse_roughness", random.between(0.0, 1.0).to_string());
     }
     let modes = ["none", "auto", "mirror"];
     key(

@@ -1,4 +1,4 @@
-//! Sheen, and the strength and color of specular lobes, against integrals of the formulas of glTF's extensions.
+//! Sheen, rough diffuse reflection, and the strength and color of specular lobes, against integrals of their formulas.
 
 use std::f64::consts::PI;
 
@@ -37,8 +37,8 @@ fn sheen(view: [f64; 3], light: [f64; 3], roughness: f64) -> f64 {
     distribution / ((1.0 + lambda(view[2]) + lambda(light[2])) * 4.0 * view[2] * light[2])
 }
 
-/// Albedo of the lobe: the share of even light that it reflects, integrated over uniform directions.
-fn sheen_albedo(cosine: f64, roughness: f64) -> f64 {
+/// Albedo of a lobe: the share of even light that it reflects, integrated over uniform directions.
+fn albedo(cosine: f64, lobe: impl Fn([f64; 3], [f64; 3]) -> f64) -> f64 {
     let view = [(1.0 - cosine * cosine).sqrt(), 0.0, cosine];
     let steps = 400;
     let sum: f64 = (0..steps * steps)
@@ -46,10 +46,28 @@ fn sheen_albedo(cosine: f64, roughness: f64) -> f64 {
             let up = (f64::from(i / steps) + 0.5) / f64::from(steps);
             let turn = 2.0 * PI * (f64::from(i % steps) + 0.5) / f64::from(steps);
             let flat = (1.0 - up * up).sqrt();
-            sheen(view, [flat * turn.cos(), flat * turn.sin(), up], roughness) * up
+            lobe(view, [flat * turn.cos(), flat * turn.sin(), up]) * up
         })
         .sum();
     sum * 2.0 * PI / f64::from(steps * steps)
+}
+
+/// EON for a color (Portsmouth, Kutz & Hill 2025), with integrals in place of the paper's fits.
+fn eon(view: [f64; 3], light: [f64; 3], roughness: f64, color: f64) -> f64 {
+    let single = |view: [f64; 3], light: [f64; 3]| {
+        let along = view[0] * light[0] + view[1] * light[1];
+        let scale = if along > 0.0 {
+            view[2].max(light[2])
+        } else {
+            1.0
+        };
+        (1.0 + roughness * along / scale) / (1.0 + roughness * (0.5 - 2.0 / (3.0 * PI))) / PI
+    };
+    let left = |cosine: f64| 1.0 - albedo(cosine, single);
+    let mean = (0..40).map(|i| (f64::from(i) + 0.5) / 40.0);
+    let mean = 1.0 - mean.map(|cosine| left(cosine) * cosine / 20.0).sum::<f64>();
+    let multiple = color * color * mean / (1.0 - color * (1.0 - mean));
+    color * single(view, light) + multiple / PI * left(view[2]) * left(light[2]) / (1.0 - mean)
 }
 
 #[test]
@@ -58,7 +76,8 @@ fn a_sheen_in_even_light_shows_its_directional_albedo() {
     let check = |light: &str, roughness: f64, angle_deg: f64| {
         let own = format!("{cloth}\nsheen_roughness = {roughness}");
         let found = or_skip!(seen(angle_deg, &own, &[light, "image.samples=16"]));
-        let expected = sheen_albedo(angle_deg.to_radians().cos(), roughness) as f32;
+        let lobe = |view, light| sheen(view, light, roughness);
+        let expected = albedo(angle_deg.to_radians().cos(), lobe) as f32;
         for (found, share) in found.iter().zip([1.0, 0.5, 0.25]) {
             let error = (found - share * expected).abs();
             assert!(
@@ -94,24 +113,33 @@ fn what_is_below_a_sheen_keeps_the_rest_of_the_light() {
 }
 
 #[test]
-fn a_lamp_shows_the_formula_of_the_sheen() {
-    let cloth =
-        "base_color = [0, 0, 0]\nreflectivity = 0\nsheen_color = [1, 1, 1]\nsheen_roughness = 0.5";
+fn a_lamp_shows_the_formula_of_sheen_and_rough_diffuse_reflection() {
     let lamp = "[light.lamp]\nkind = \"directional\"\ndirection = [-1, -1, 1]\nintensity_lux = 2\n\
                 [material.floor]";
     let light = [1.0, -1.0, 1.0].map(|x| x / 3.0_f64.sqrt()); // z is up
     let view = [0.6, 0.0, 0.8];
-    let expected = 2.0 * sheen(view, light, 0.5) * light[2];
-    let text = FLOOR
+    let dark = FLOOR
         .replace("[material.floor]", lamp)
         .replace("color = [1, 1, 1]", "color = [0, 0, 0]");
-    let text = text.replace("[material.floor]", &format!("[material.floor]\n{cloth}"));
     let Some(gpu) = gpu() else { return };
-    for angle in ["", "light.lamp.angle_deg=1"] {
-        let set = ["camera.main.eye=[1.8, 2.4, 0]", angle];
-        let set: Vec<&str> = set.into_iter().filter(|s| !s.is_empty()).collect();
-        let found = mean(&render(gpu, &text, &set, &[]));
-        assert_close(found[0], expected as f32, 0.01);
+    for (cloth, lobe) in [
+        (
+            "base_color = [0, 0, 0]\nsheen_color = [1, 1, 1]\nsheen_roughness = 0.5",
+            sheen(view, light, 0.5),
+        ),
+        (
+            "base_color = [0.8, 0.8, 0.8]\ndiffuse_roughness = 1",
+            eon(view, light, 1.0, 0.8),
+        ),
+    ] {
+        let own = format!("[material.floor]\nreflectivity = 0\n{cloth}");
+        let text = dark.replace("[material.floor]", &own);
+        for angle in ["", "light.lamp.angle_deg=1"] {
+            let set = ["camera.main.eye=[1.8, 2.4, 0]", angle];
+            let set: Vec<&str> = set.into_iter().filter(|s| !s.is_empty()).collect();
+            let found = mean(&render(gpu, &text, &set, &[]));
+            assert_close(found[0], (2.0 * lobe * light[2]) as f32, 0.01);
+        }
     }
 }
 

@@ -3,41 +3,14 @@
 use reflet::{render::RebuildSummary, scene::desc::Method};
 use reflet_preview::live::{BuildProblem, Reload};
 
-use crate::kit::*;
-
-/// The scene on disk, opened and rendered once.
-struct Session {
-    gpu: Arc<Gpu>,
-    folder: Folder,
-    scene: PathBuf,
-    live: Live,
-    text: String,
-}
+use crate::{kit::*, scripts::Session};
 
 impl Session {
-    fn new(text: &str) -> Option<Self> {
-        let gpu = gpu()?;
-        let folder = Folder::new();
-        let scene = folder.write("scene.toml", text);
-        let live = open(&gpu, &scene, None);
-        Some(Self {
-            gpu,
-            folder,
-            scene,
-            live,
-            text: text.to_owned(),
-        })
-    }
-
-    fn picture(&mut self) -> Vec<u8> {
-        picture(&self.gpu, &mut self.live)
-    }
-
     /// Replaces text in the scene and reloads.
     fn edit(&mut self, from: &str, to: &str) -> Reload {
-        assert!(self.text.contains(from), "{from}");
-        self.text = self.text.replacen(from, to, 1);
-        fs::write(&self.scene, &self.text).expect("written");
+        let text = fs::read_to_string(&self.scene).expect("written");
+        assert!(text.contains(from), "{from}");
+        fs::write(&self.scene, text.replacen(from, to, 1)).expect("written");
         self.live.reload(&[Change::Scene].into())
     }
 
@@ -79,7 +52,7 @@ const MATERIALS: RebuildSummary = RebuildSummary {
 
 #[test]
 fn an_edit_rebuilds_only_its_own_data() {
-    let mut session = or_skip!(Session::new(SCENE));
+    let mut session = or_skip!(Session::open(Folder::new(), SCENE));
     let trees = RebuildSummary {
         trees: true,
         ..MATERIALS
@@ -113,7 +86,7 @@ fn moved_dynamic_instance_rebuilds_only_the_top_level() {
         "translation = [0, 0.5, 0]",
         "translation = [0, 0.5, 0]\ndynamic = true",
     );
-    let mut session = or_skip!(Session::new(&text));
+    let mut session = or_skip!(Session::open(Folder::new(), &text));
     let poses = RebuildSummary {
         poses: true,
         ..NOTHING
@@ -125,7 +98,7 @@ fn moved_dynamic_instance_rebuilds_only_the_top_level() {
 #[test]
 fn another_shape_reads_the_scene_whole() {
     let text = SCENE.replace("[image]", "[reflection]\nmethod = \"hybrid\"\n[image]");
-    let mut session = or_skip!(Session::new(&text));
+    let mut session = or_skip!(Session::open(Folder::new(), &text));
     let reload = session.edit("kind = \"box\"", "kind = \"sphere\"");
     assert!(reload.ok && reload.files && reload.rebuilt.upload && reload.rebuilt.trees);
     assert_eq!(reload.shaders, 0, "the text of the shaders is the same");
@@ -134,10 +107,10 @@ fn another_shape_reads_the_scene_whole() {
 
 #[test]
 fn broken_then_good_keeps_the_last_picture() {
-    let mut session = or_skip!(Session::new(SCENE));
+    let mut session = or_skip!(Session::open(Folder::new(), SCENE));
     for round in 0..50 {
         let before = session.picture();
-        let good = session.text.clone();
+        let good = fs::read_to_string(&session.scene).expect("written");
         let broken = match round % 3 {
             0 => good.replace("reflectivity = ", "reflectivit = "),
             1 => good[..good.len() / 2].to_owned(),
@@ -149,6 +122,7 @@ fn broken_then_good_keeps_the_last_picture() {
         let problem = &session.live.problems.scene[0];
         assert!(problem.span.source.is_some(), "{problem:?} has no place");
         assert!(session.picture() == before, "round {round}");
+        fs::write(&session.scene, good).expect("written");
         let from = format!("intensity_cd = {}", 30 + round);
         let reload = session.edit(&from, &format!("intensity_cd = {}", 31 + round));
         assert!(reload.ok && session.live.problems.is_empty());
@@ -161,7 +135,7 @@ fn broken_then_good_keeps_the_last_picture() {
 #[test]
 fn a_second_renderer_on_a_device_compiles_nothing() {
     let text = SCENE.replace("[image]", "[reflection]\nmethod = \"hybrid\"\n[image]");
-    let mut session = or_skip!(Session::new(&text));
+    let mut session = or_skip!(Session::open(Folder::new(), &text));
     let first = session.picture();
     let stats = &session.gpu.compile_stats;
     let made = (stats.shaders(), stats.pipelines());
@@ -173,7 +147,7 @@ fn a_second_renderer_on_a_device_compiles_nothing() {
 #[test]
 fn methods_share_what_they_have_in_common() {
     let text = SCENE.replace("[image]", "[reflection]\nmethod = \"hybrid\"\n[image]");
-    let mut session = or_skip!(Session::new(&text));
+    let mut session = or_skip!(Session::open(Folder::new(), &text));
     let first = session.picture();
     let set_overrides = |session: &mut Session, method| {
         let overrides = ViewOverrides {
@@ -205,7 +179,7 @@ fn trees_are_built_when_rays_are_first_followed_and_kept_from_then_on() {
     let text = SCENE
         .replace("[image]", "[reflection]\nmethod = \"ssr\"\n[image]")
         .replace("translation = [0, 0.5, 0]", moving);
-    let mut session = or_skip!(Session::new(&text));
+    let mut session = or_skip!(Session::open(Folder::new(), &text));
     let held = |session: &mut Session| {
         let stats = session.live.render(&first_camera).expect("renders");
         let of = |wanted: &str| stats.bytes.iter().find(|(name, _)| name == wanted);
@@ -311,7 +285,7 @@ fn an_asset_that_changes_or_comes_late_is_read() {
         "base_color = [0.9, 0.1, 0.1]",
         "base_color_texture = \"paint.png\"",
     );
-    let mut session = or_skip!(Session::new(SCENE));
+    let mut session = or_skip!(Session::open(Folder::new(), SCENE));
     fs::write(&session.scene, &text).expect("written");
     assert!(
         !session.live.reload(&[Change::Scene].into()).ok,

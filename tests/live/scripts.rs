@@ -22,7 +22,7 @@ pub const SCRIPT: &str = include_str!("scripts/script.rhai");
 
 const PATH: &str = "fn place(i, t) { vec3(i - 1 + 0.4 * t, 0.5, 0) }\n";
 
-/// A scripted scene on disk, opened.
+/// A scene on disk, opened; `new` has a script.
 pub struct Session {
     pub gpu: Arc<Gpu>,
     pub folder: Folder,
@@ -31,15 +31,9 @@ pub struct Session {
 }
 
 impl Session {
-    pub fn new() -> Option<Self> {
+    /// Writes a scene into a folder, and opens it.
+    pub fn open(folder: Folder, text: &str) -> Option<Self> {
         let gpu = gpu()?;
-        let folder = Folder::new();
-        let text = format!("script = \"sub/move.rhai\"\n{SCENE}").replace(
-            "[[instance]]\nmodel = \"box\"\ntranslation = [0, 0.5, 0]\n",
-            "",
-        ) + "[timeline]\nfps = 10\nend = 40\n[params]\ncount = 2\nspeed = 1.5\n[reflection]\nmethod = \"hybrid\"\n";
-        folder.write("sub/move.rhai", SCRIPT);
-        folder.write("parts/path.rhai", PATH);
         let scene = folder.write("scene.toml", text);
         let live = open(&gpu, &scene, None);
         Some(Self {
@@ -48,6 +42,17 @@ impl Session {
             scene,
             live,
         })
+    }
+
+    pub fn new() -> Option<Self> {
+        let folder = Folder::new();
+        let text = format!("script = \"sub/move.rhai\"\n{SCENE}").replace(
+            "[[instance]]\nmodel = \"box\"\ntranslation = [0, 0.5, 0]\n",
+            "",
+        ) + "[timeline]\nfps = 10\nend = 40\n[params]\ncount = 2\nspeed = 1.5\n[reflection]\nmethod = \"hybrid\"\n";
+        folder.write("sub/move.rhai", SCRIPT);
+        folder.write("parts/path.rhai", PATH);
+        Self::open(folder, &text)
     }
 
     pub fn picture(&mut self) -> Vec<u8> {

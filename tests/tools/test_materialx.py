@@ -153,6 +153,8 @@ def test_layers_of_a_standard_surface(tmp_path: Path) -> None:
         base="float 0.5",
         coat="float 0.5",
         coat_color="color3 0.5, 1, 1",
+        coat_IOR="float 2",
+        diffuse_roughness="float 0.5",
         specular="float 0.4",
         specular_color="color3 1, 0.5, 0.5",
         transmission="float 0.75",
@@ -170,6 +172,9 @@ def test_layers_of_a_standard_surface(tmp_path: Path) -> None:
         "attenuationDistance": pytest.approx(3.0),
     }
     assert extensions["KHR_materials_transmission"] == {"transmissionFactor": 0.75}
+    assert extensions["KHR_materials_diffuse_roughness"] == {"diffuseRoughnessFactor": 0.5}
+    within = extensions["KHR_materials_clearcoat"]["extensions"]
+    assert within == {"KHR_materials_clearcoat_ior": {"clearcoatIor": 2.0}}
     assert extensions["KHR_materials_sheen"]["sheenColorFactor"] == [0.5, 0.5, 0.0]
     assert extensions["KHR_materials_iridescence"]["iridescenceThicknessMaximum"] == 400.0
     assert 0.0 < extensions["KHR_materials_anisotropy"]["anisotropyStrength"] < 1.0

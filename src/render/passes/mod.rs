@@ -252,7 +252,7 @@ pub fn recorded_passes(
     };
     let bytes = |of: &[Target]| {
         let of = of.iter();
-        of.map(|t| t.pixel_bytes(full) * u64::from(t.layers(plan.features.frames)))
+        of.map(|t| t.pixel_bytes(full) * u64::from(t.layers(plan.features.further_details)))
             .sum()
     };
     let recorded = ORDER.iter().filter_map(|pass| {

@@ -118,10 +118,10 @@ impl Target {
         u64::from(self.format(full).block_copy_size(None).unwrap_or(4))
     }
 
-    /// Number of layers; `has_frames`: the frame has clear coat normals or tangents.
-    pub fn layers(self, has_frames: bool) -> u32 {
+    /// Number of layers; `further_details`: the frame has a second layer of details.
+    pub fn layers(self, further_details: bool) -> u32 {
         match self {
-            Self::Details => 2 + u32::from(has_frames),
+            Self::Details => 2 + u32::from(further_details),
             Self::Guides => GUIDES as u32,
             _ => 1,
         }

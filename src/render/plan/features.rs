@@ -294,6 +294,17 @@ features! {
         constant: HAS_ANISOTROPY,
         dropped: "anisotropy" => "no material is anisotropic";
     }
+    /// Whether some diffuse reflection is rough.
+    rough_diffuse {
+        used: scene.has(|m| m.diffuse_roughness.is_some()),
+        constant: HAS_ROUGH_DIFFUSE,
+        dropped: "rough diffuse reflections" => "no material has a diffuse roughness";
+    }
+    /// Whether some clear coat has an index of refraction of its own.
+    coat_indices {
+        used: scene.has(|m| m.clearcoat.is_some() && m.clearcoat_ior.is_some()),
+        constant: HAS_COAT_INDICES,
+    }
     /// Whether some transmissive solid has dispersion.
     dispersion {
         used: scene.has(|m| m.dispersion.is_some() && m.solid && m.passes_light()),
@@ -354,13 +365,15 @@ features! {
         follows: tints || iridescence,
         constant: HAS_TINTS,
     }
-    /// Whether surfaces have directions beside their normals: clear coat normals or tangents.
-    frames {
-        follows: coat_normals || anisotropy,
+    /// Whether surfaces have details in a second layer: clear coat normals and reflectivities, tangents, or diffuse
+    /// roughness.
+    further_details {
+        follows: coat_normals || coat_indices || anisotropy || rough_diffuse,
+        constant: HAS_FURTHER_DETAILS,
     }
     /// Whether some surface has values that the G-buffer has no bits for.
     details {
-        follows: tinted_lobes || sheen || frames,
+        follows: tinted_lobes || sheen || further_details,
         constant: HAS_DETAILS,
     }
     /// Whether light outside of the crop is left out.

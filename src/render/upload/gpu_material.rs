@@ -15,7 +15,7 @@ use crate::{
     },
     settings::cutoff::{has_specular, packed, packed_coat},
 };
-use reflet_scene::desc::MOST_PATTERNED;
+use reflet_scene::desc::{MOST_PATTERNED, reflectivity_of};
 use reflet_world::{
     CORE_SLOTS, LAYER_SLOTS, LayerTexture, Material, TextureRef, World, Wrap,
     texture::pool_size::SMALLEST_POOL_PX,
@@ -117,6 +117,10 @@ filled! {
         layer_textures: [GpuTextureUse; LAYER_SLOTS] = textures.1,
         /// Numbers and colors that follow patterns.
         patterned: [GpuPatterned; MOST_PATTERNED] = std::array::from_fn(|i| GpuPatterned::from_pattern(m.patterned.get(i))),
+        /// Roughness of the diffuse reflection.
+        diffuse_roughness: f32 = m.diffuse_roughness.unwrap_or(0.0),
+        /// Reflectance of the clear coat at normal incidence.
+        coat_reflectivity: f32 = reflectivity_of(m.clearcoat_ior.unwrap_or(1.5)),
     }
 }
 

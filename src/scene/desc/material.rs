@@ -63,6 +63,9 @@ material! {
         metallic: f32, Number in UNIT, "metalness" varies Metallic => rest 0.0;
         /// Perceptual roughness, 0 to 1: 0 is polished, 1 matte. Default 1.
         roughness: f32, Number in UNIT, "perceptual roughness" varies Roughness => rest 1.0;
+        /// Roughness of the diffuse reflection, 0 to 1: 0 is Lambert's; more is flatter and brighter towards the light, as
+        /// of clay, dust or the moon (the `base_diffuse_roughness` of OpenPBR). Default 0, or the glTF value.
+        diffuse_roughness: f32, Number in UNIT, "roughness of the diffuse reflection" of "diffuse_roughness/diffuseRoughnessFactor" varies DiffuseRoughness => off "0";
         /// Image file with roughness in green and metalness in blue, multiplied with `roughness` and `metallic`.
         metallic_roughness_texture: At<String> [ANY] in TEXTURES;
         /// Image file with a tangent-space normal map (glTF convention, green is up).
@@ -125,12 +128,13 @@ material! {
         /// Distance inside a solid after which white light has the `attenuation_color`, meters, above 0. Less absorbs
         /// more. Default: nothing is absorbed.
         attenuation_distance_m under transmission under thickness_m under attenuation_color: f32, Number in ABOVE_0, "distance after which white light has that color, meters" of "volume/attenuationDistance" => such_as "1";
-        /// Strength of a clear coat (varnish) over the material, 0 to 1, of index of refraction 1.5. Default 0, or the
-        /// glTF value.
+        /// Strength of a clear coat (varnish) over the material, 0 to 1. Default 0, or the glTF value.
         #[group("Clear coat")]
         clearcoat: f32, Number in UNIT, "strength of the clear coat" of "clearcoat/clearcoatFactor" varies Clearcoat => off "0";
         /// Perceptual roughness of the clear coat, 0 to 1. Default 0.
         clearcoat_roughness under clearcoat: f32, Number in UNIT, "perceptual roughness of the clear coat" of "clearcoat/clearcoatRoughnessFactor" varies ClearcoatRoughness => rest 0.0;
+        /// Index of refraction of the clear coat, 1 to 4: more reflects more. Default 1.5, or the glTF value.
+        clearcoat_ior under clearcoat: f32, Number in INDEX, "clear coat's index of refraction" of "clearcoat_ior/clearcoatIor" => off "1.5";
         /// Strength of the specular reflection of the non-metallic part, 0 to 1: a factor on `reflectivity` and on the
         /// reflectance at grazing angles (`KHR_materials_specular`). Default 1, or the glTF value.
         #[group("Reflection")]

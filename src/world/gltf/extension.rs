@@ -6,7 +6,7 @@ use super::{Fault, schema::Root, uri::shorten};
 use reflet_scene::diagnostic::Diagnostic;
 
 /// Supported extensions, which files may list in `extensionsRequired`.
-pub const SUPPORTED: [&str; 26] = [
+pub const SUPPORTED: [&str; 28] = [
     "EXT_lights_image_based",
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
@@ -17,6 +17,8 @@ pub const SUPPORTED: [&str; 26] = [
     "KHR_lights_punctual",
     "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
+    "KHR_materials_clearcoat_ior",     // a draft
+    "KHR_materials_diffuse_roughness", // a draft
     "KHR_materials_dispersion",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",

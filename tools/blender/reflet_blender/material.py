@@ -125,6 +125,11 @@ def _principled(shader: bpy.types.Node, name: str, report: Report) -> dict[str, 
         glow.is_linked or max(glow.default_value[:3]) > 0
     ):
         out["light"] = True
+    rough = shader.inputs.get("Diffuse Roughness")
+    if rough is not None and not rough.is_linked and rough.default_value > 0:
+        out["diffuse_roughness"] = min(float(rough.default_value), 1.0)
+    if _number(shader, "Coat Weight") > 0:
+        out["clearcoat_ior"] = min(max(_number(shader, "Coat IOR"), 1.0), 4.0)
     film = _number(shader, "Thin Film Thickness")
     if film > 0:
         ior = min(max(_number(shader, "Thin Film IOR"), 1.0), 4.0)
@@ -134,7 +139,8 @@ def _principled(shader: bpy.types.Node, name: str, report: Report) -> dict[str, 
 
 def _diffuse(shader: bpy.types.Node, name: str, report: Report) -> dict[str, Any]:
     _name_linked(shader, name, report)
-    return {"base_color": _color(shader, "Color"), "metallic": 0, "roughness": 1, "specular": 0}
+    look = {"base_color": _color(shader, "Color"), "metallic": 0, "roughness": 1, "specular": 0}
+    return {**look, "diffuse_roughness": _share(shader, "Roughness")}
 
 
 def _glossy(shader: bpy.types.Node, name: str, report: Report) -> dict[str, Any]:

@@ -19,13 +19,10 @@ _GLTF = "ND_gltf_pbr_surfaceshader"
 _ABBE_OF_ONE = 20.0
 # Inputs that glTF lacks, and the values at which nothing is lost.
 _NEUTRAL: dict[str, Numbers] = {
-    "base_diffuse_roughness": (0.0,),
-    "coat_IOR": (1.5,),
     "coat_affect_color": (0.0,),
     "coat_affect_roughness": (0.0,),
     "coat_anisotropy": (0.0,),
     "coat_roughness_anisotropy": (0.0,),
-    "diffuse_roughness": (0.0,),
     "transmission_extra_roughness": (0.0,),
     "transmission_scatter": _BLACK,
 }
@@ -124,6 +121,8 @@ def _standard_surface(surface: _Surface) -> dict[str, Source]:
         "specular": surface.get("specular", (1.0,)),
         "specularTint": surface.get("specular_color", _WHITE),
         "sheenRoughness": _root(surface, "sheen_roughness", 0.3),
+        "diffuseRoughness": Constant((surface.number("diffuse_roughness", 0.0),)),
+        "clearcoatIor": Constant((surface.number("coat_IOR", 1.5),)),
         **_normals(surface, "normal", "coat_normal"),
     }
     base = surface.times(
@@ -156,6 +155,8 @@ def _open_pbr(surface: _Surface) -> dict[str, Source]:
         "specular": surface.get("specular_weight", (1.0,)),
         "specularTint": surface.get("specular_color", _WHITE),
         "sheenRoughness": surface.get("fuzz_roughness", (0.5,)),
+        "diffuseRoughness": Constant((surface.number("base_diffuse_roughness", 0.0),)),
+        "clearcoatIor": Constant((surface.number("coat_ior", 1.6),)),
         **_normals(surface, "geometry_normal", "geometry_coat_normal"),
     }
     weight = surface.get("base_weight", (1.0,))

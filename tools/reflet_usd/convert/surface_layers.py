@@ -22,6 +22,8 @@ _LAYER_INPUTS: dict[str, tuple[float, ...]] = {
     "iridescence": (0.0,),
     "iridescenceIor": (1.3,),
     "iridescenceThickness": (100.0,),
+    "diffuseRoughness": (0.0,),
+    "clearcoatIor": (1.5,),
     "coatNormal": (0.0, 0.0, 1.0),
 }
 _RED, _GREEN, _ALPHA = 0, 1, 3
@@ -43,12 +45,16 @@ class LayeredMaterial(PreviewMaterial):
             self._specular_lobe(),
             self._anisotropy(),
             self._iridescence(),
+            self._rough_diffuse(),
         )
         self.extend(entry, {name: fields for name, fields in layers if fields})
         coat = entry.get("extensions", {}).get("KHR_materials_clearcoat")
         info = None if coat is None else self.normal_map("coatNormal")
         if coat is not None and info is not None:
             coat["clearcoatNormalTexture"] = info
+        ior = max(self._numbers("clearcoatIor")[0], 1.0)
+        if coat is not None and ior != 1.5:
+            self.extend(coat, {"KHR_materials_clearcoat_ior": {"clearcoatIor": ior}})
         return entry
 
     def _number(self, name: str, key: str, place: int) -> dict[str, Any]:
@@ -123,6 +129,11 @@ class LayeredMaterial(PreviewMaterial):
             "anisotropyStrength": strength,
             "anisotropyRotation": turn,
         }
+
+    def _rough_diffuse(self) -> tuple[str, dict[str, Any]]:
+        roughness = self._unit("diffuseRoughness")[0]
+        fields = {"diffuseRoughnessFactor": roughness} if roughness > 0.0 else {}
+        return "KHR_materials_diffuse_roughness", fields
 
     def _iridescence(self) -> tuple[str, dict[str, Any]]:
         fields = self._number("iridescence", "iridescence", _RED)

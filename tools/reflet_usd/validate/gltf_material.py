@@ -43,6 +43,8 @@ _PLACES = {
     "clearcoatRoughness": _Place(
         "clearcoat", "clearcoatRoughnessTexture", "clearcoatRoughnessFactor", (0.0,), [1]
     ),
+    "clearcoatIor": _Place("clearcoat_ior", "", "clearcoatIor", (1.5,), [0]),
+    "diffuseRoughness": _Place("diffuse_roughness", "", "diffuseRoughnessFactor", (0.0,), [0]),
     "specular": _Place("specular", "specularTexture", "specularFactor", (1.0,), [3]),
     "specularTint": _Place(
         "specular", "specularColorTexture", "specularColorFactor", _WHITE, _RGB, True
@@ -122,7 +124,9 @@ class OutputMaterial:
         return self.fields.get(part) or self._extension(part)
 
     def _extension(self, name: str) -> dict[str, Any]:
-        return self.fields.get("extensions", {}).get(f"KHR_materials_{name}", {})
+        own = self.fields.get("extensions", {})
+        within = own.get("KHR_materials_clearcoat", {}).get("extensions", {})
+        return {**own, **within}.get(f"KHR_materials_{name}", {})
 
     def _info(self, name: str) -> dict[str, Any] | None:
         return self._part(name).get(_PLACES[name].texture) if name in _PLACES else None

@@ -34,6 +34,8 @@ from .uv_compare import UvUse
 _SAMPLES = 16
 _MANY = 512
 LAYERS = (
+    "clearcoatIor",
+    "diffuseRoughness",
     "specular",
     "specularTint",
     "sheenColor",
@@ -43,6 +45,7 @@ LAYERS = (
     "attenuationDistance",
 )
 """Channels beyond UsdPreviewSurface's."""
+_OF_COAT = ("clearcoatIor", "clearcoatRoughness")
 _CLEAR = "clear"
 """Transmission of a UsdPreviewSurface of next to no opacity."""
 _CLEAR_PARTS = ("KHR_materials_transmission", "specularFactor", "clearcoatNormalTexture")
@@ -227,7 +230,7 @@ class _Comparison:
                 continue  # compared elsewhere, since it depends on the geometry
             if name == "opacity" and (found.material.alphaMode or "OPAQUE") == "OPAQUE":
                 continue
-            if name == "clearcoatRoughness" and _is_zero(self.inputs["clearcoat"]):
+            if name in _OF_COAT and _is_zero(self.inputs["clearcoat"]):
                 continue
             if name == "occlusion" and source.constant is not None:
                 source = PreviewInput(np.array([1.0]), None)
@@ -438,7 +441,7 @@ def _difference(name: str, wanted: Array, found: Array, reach: float = 1.0) -> f
         wanted = np.maximum(wanted, 0.0)
     elif name == "normal" or name in ("thickness", "attenuationDistance"):
         pass
-    elif name == "ior":
+    elif name in ("clearcoatIor", "ior"):
         wanted = np.where(wanted == 0.0, 0.0, np.maximum(wanted, 1.0))
     else:
         wanted = np.clip(wanted, 0.0, 1.0)

@@ -149,6 +149,8 @@ class _Rules:
             shown = _mix(shown, np.ones(3) if absorbs else tint(st), through(st))
             return shown * _mix(np.ones(3), coat_tint(st), coat(st))
 
+        rough_base = self.number("base_diffuse_roughness" if is_open else "diffuse_roughness", 0.0)
+        coat_ior = self.number("coat_ior" if is_open else "coat_IOR", 1.6 if is_open else 1.5)
         aspect = np.sqrt(1.0 - min(max(self.number("specular_anisotropy", 0.0), 0.0), 0.999))
         rough = self.of("specular_roughness", 0.3 if is_open else 0.2)
         functions = {
@@ -160,6 +162,8 @@ class _Rules:
             "normal": self.of("normal", 0.0, 0.0, 1.0),
             "clearcoat": coat,
             "clearcoatRoughness": self.of("coat_roughness", 0.0 if is_open else 0.1),
+            "clearcoatIor": lambda st: np.full((len(st), 1), coat_ior),
+            "diffuseRoughness": lambda st: np.full((len(st), 1), rough_base),
             "emissiveColor": lambda st: glow(st) * nits(st),
             "specular": self.of("specular", 1.0),
             "specularTint": self.of("specular_color", *_WHITE),

@@ -154,7 +154,10 @@ fn material_value(rest: &str) -> Option<(PointedValue, usize)> {
     if let Some((_, key, lanes)) = own {
         return Some((PointedValue::Field(key), lanes));
     }
-    if let Some(layer) = rest.strip_prefix(LAYER) {
+    // KHR_materials_clearcoat_ior is an extension of KHR_materials_clearcoat.
+    let own = rest.strip_prefix("extensions/KHR_materials_clearcoat/");
+    let own = own.filter(|own| own.starts_with(LAYER)).unwrap_or(rest);
+    if let Some(layer) = own.strip_prefix(LAYER) {
         let row = LAYER_NUMBERS.iter().find(|(path, _)| *path == layer);
         if let Some(field) = row.and_then(|(_, key)| layer_field(key)) {
             let lanes = if field.form == Form::Color { 3 } else { 1 };

@@ -121,6 +121,12 @@ impl<'de> Visitor<'de> for Keys<'_> {
                 }
                 continue;
             };
+            // KHR_materials_clearcoat_ior is an extension of KHR_materials_clearcoat.
+            if key == "extensions" {
+                let extension = None;
+                map.next_value_seed(Keys { extension, out })?;
+                continue;
+            }
             let path = format!("{extension}/{key}");
             let full = format!("extensions/{KHR}{path}");
             if let Some(row) = LAYER_NUMBERS.iter().position(|(own, _)| *own == path) {
@@ -144,9 +150,9 @@ impl<'de> DeserializeSeed<'de> for Keys<'_> {
 
     fn deserialize<D: Deserializer<'de>>(self, from: D) -> Result<(), D::Error> {
         let is_own = |(path, _): &(&str, _)| is_in(path, self.extension);
-        match LAYER_NUMBERS.iter().any(is_own) {
-            true => from.deserialize_any(self),
-            false => IgnoredAny::deserialize(from).map(|_| ()),
+        if self.extension.is_none() || LAYER_NUMBERS.iter().any(is_own) {
+            return from.deserialize_any(self);
         }
+        IgnoredAny::deserialize(from).map(|_| ())
     }
 }

@@ -1,0 +1,50 @@
+// Diffuse reflection: Lambert's, or EON where it is rough (Portsmouth, Kutz & Hill 2025, "EON: A Practical
+// Energy-Preserving Rough Diffuse BRDF"): Fujii's Oren-Nayar, and the light that its facets scatter among each other.
+
+#import material
+
+// 1/2 - 2/(3 pi) and 2/3 - 28/(15 pi), of the single scattering and of its mean.
+const FUJII_SINGLE: f32 = 0.28779342;
+const FUJII_MEAN: f32 = 0.07248819;
+
+fn has_rough_diffuse(s: Surface) -> bool {
+    return HAS_ROUGH_DIFFUSE && s.diffuse_roughness > 0.0;
+}
+
+// Share of light that single scattering of a white surface returns at a cosine: the paper's fit.
+fn fujii_albedo(roughness: f32, cosine: f32) -> f32 {
+    let x = 1.0 - saturate(cosine);
+    let rise = x * (0.0571085289 + x * (0.491881867 + x * (0.0714429953 * x - 0.332181442)));
+    return (1.0 + roughness * rise) / (1.0 + FUJII_SINGLE * roughness);
+}
+
+// Share of light that single scattering of a white surface returns on average.
+fn mean_fujii_albedo(roughness: f32) -> f32 {
+    return (1.0 + FUJII_MEAN * roughness) / (1.0 + FUJII_SINGLE * roughness);
+}
+
+// Share of the light which single scattering leaves that facets return after more.
+fn multiple_albedo(s: Surface) -> vec3f {
+    let mean = mean_fujii_albedo(s.diffuse_roughness);
+    return s.base_color * s.base_color * mean / (vec3f(1.0) - s.base_color * (1.0 - mean));
+}
+
+// Color of the diffuse reflection: its albedo towards a view.
+fn diffuse_color(s: Surface, view: vec3f) -> vec3f {
+    if (!has_rough_diffuse(s)) { return s.base_color; }
+    let single = fujii_albedo(s.diffuse_roughness, dot(s.normal, view));
+    return s.base_color * single + multiple_albedo(s) * (1.0 - single);
+}
+
+// BRDF times pi of the diffuse reflection for this pair of directions; `albedo`: diffuse albedo towards the view.
+fn diffuse_towards(s: Surface, albedo: vec3f, view: vec3f, to_light: vec3f) -> vec3f {
+    if (!has_rough_diffuse(s)) { return albedo; }
+    let r = s.diffuse_roughness;
+    let nv = clamp(dot(s.normal, view), 1e-3, 1.0);
+    let nl = clamp(dot(s.normal, to_light), 1e-3, 1.0);
+    let along = dot(view, to_light) - nv * nl;
+    let single = (1.0 + r * along / select(1.0, max(nv, nl), along > 0.0)) / (1.0 + FUJII_SINGLE * r);
+    let left = (1.0 - fujii_albedo(r, nv)) * (1.0 - fujii_albedo(r, nl)) / max(1.0 - mean_fujii_albedo(r), 1e-6);
+    let lobe = s.base_color * single + multiple_albedo(s) * left;
+    return albedo * lobe / max(diffuse_color(s, view), vec3f(1e-6));
+}
