@@ -9,7 +9,7 @@
 
 @group(2) @binding(5) var fog_light: RadianceTexture; // w: transmittance
 
-const MIRRORED: bool = false;
+const PATHS: u32 = FREE_PATHS;
 const FIRST_VERTEX: u32 = 192u; // offset of sample numbers: others than for surfaces
 
 fn fog_before(pixel: vec2u) -> vec4f {

@@ -1,49 +1,26 @@
 // Hits: shades the screen hits of the march, at the point where the ray meets the surface and with the ray's
 // footprint, as the trace pass would.
 
-#import in_scattering
+#import gbuffer
 #import lists
+#import mirrored
 #import radiance
-#import shaded_hit
 
 @group(2) @binding(5) var hit: texture_2d<u32>;
 @group(2) @binding(6) var reflection: RadianceTexture;
 @group(2) @binding(8) var counts: texture_storage_2d<rgba32uint, write>; // with COUNT
 
+const PATHS: u32 = HIT_PATHS;
+
 fn shade_pixel(pixel: vec2u) {
     let first = load_surface(pixel);
     let ray = reflected_ray(pixel, first);
-    let direction = ray.direction;
     let found = textureLoad(hit, pixel, 0);
     // In fog, rays past all surfaces are listed too, for the light on their way.
-    if (HAS_FOG && found.y == NONE && !carries_light(ray)) { return; }
-    let distance_m = select(bitcast<f32>(found.x), FAR_M, HAS_FOG && found.y == NONE);
-    start_samples(pixel, 1u);
-    start_path(first.position, first.is_inside);
-    let end = seen_at_end(first.position, ray, found.y, distance_m);
-    let air = through_air(first.position, ray, end.distance_m);
-    var color = end.radiance;
-    var start = Start(Reflected(direction, vec3f(0.0), 0.0, 0.0, 1.0, first.normal), first.position);
-    var cone = reflected_cone(first, distance_m);
-    if (!end.is_seen && !air.scatters) {
-        var s = surface_at(found.y, found.z, unpack2x16unorm(found.w), direction, cone.width_m);
-        s.emission *= met_emission(ray, found.y, found.z, distance_m, s);
-        var reused = vec2u(0u);
-        if (REUSES_LIGHT) { reused = reused_visibility(s); }
-        color = met_light(ray, s, reused);
-        start = scattered_by_surface(ray, s);
-    }
-    if (HAS_FOG && air.scatters) {
-        color = vec3f(0.0);
-        start = Start(air.ray, air.position);
-        start.ray.weight = vec3f(1.0);
-        cone = reflected_cone(first, distance(first.position, air.position));
-    }
-    color *= medium_transmittance(end.distance_m);
-    start.ray.weight *= medium_transmittance(end.distance_m);
-    color += followed(pixel, 2u, 1u, start, cone);
-    if (HAS_FOG) { color = air.light + color * air.share; }
-    textureStore(reflection, pixel, stored(smoothable(first, ray, color)));
+    let is_past_all = HAS_FOG && found.y == NONE;
+    if (is_past_all && !carries_light(ray)) { return; }
+    known_hit = Hit(select(bitcast<f32>(found.x), FAR_M, is_past_all), found.y, found.z, unpack2x16unorm(found.w), 0u);
+    textureStore(reflection, pixel, stored(mirrored_light(pixel, first, ray, first.position)));
     if (exhausted_rays > 0u) { atomicAdd(&counters[EXHAUSTED_COUNTER], exhausted_rays); }
 }
 

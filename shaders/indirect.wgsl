@@ -14,7 +14,7 @@
 // surface scatters none.
 override SMOOTHED: bool = false;
 
-const MIRRORED: bool = false;
+const PATHS: u32 = FREE_PATHS;
 const FIRST_VERTEX: u32 = 128u; // offset of sample numbers: others than for reflections
 
 fn gathered(pixel: vec2u) -> vec4f {

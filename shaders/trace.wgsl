@@ -4,16 +4,13 @@
 #import lists
 #import mirror_path
 
-fn pixel_of(ray: u32) -> vec2u {
-    return unpack_pixel(lists[ray_slot(ray)]);
-}
-
 @compute @workgroup_size(RAYS_PER_GROUP)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) lane: u32) {
     let ray = (group.y * groups.x + group.x) * RAYS_PER_GROUP + lane;
     // Invocations past the list's end fill the last workgroup.
     if (ray >= atomicLoad(&counters[select(RAY_COUNTER, REST_COUNTER, UNDERSAMPLED)])) { return; }
-    _ = trace_pixel(pixel_of(ray));
-    keep_cause(pixel_of(ray), first_cause);
-    if (COUNT) { textureStore(counts, pixel_of(ray), vec4u(map_steps, traversals, visited_nodes, tested_triangles)); }
+    let pixel = unpack_pixel(lists[ray_slot(ray)]);
+    _ = trace_pixel(pixel);
+    keep_cause(pixel, first_cause);
+    if (COUNT) { textureStore(counts, pixel, vec4u(map_steps, traversals, visited_nodes, tested_triangles)); }
 }

@@ -11,7 +11,7 @@
 @group(2) @binding(6) var transmitted_light: RadianceTexture;
 @group(2) @binding(11) var counts: texture_storage_2d<rgba32uint, write>; // with COUNT
 
-const MIRRORED: bool = false;
+const PATHS: u32 = FREE_PATHS;
 const FIRST_VERTEX: u32 = 64u; // offset of sample numbers: others than for reflections
 
 // Surface of a pixel, with the material's values that the G-buffer does not hold.
@@ -29,7 +29,6 @@ fn completed(pixel: vec2u) -> Surface {
 // that is covered by surfaces rather than the background.
 fn behind_once(pixel: vec2u, s: Surface, way: u32) -> vec4f {
     forget_path();
-    forget_scatterings();
     first_way = way;
     start_path(s.position, false);
     start_samples(pixel, FIRST_VERTEX);

@@ -284,13 +284,6 @@ fn sampled_light(s: Surface, view: vec3f, albedo: vec3f) -> Shade {
 // a ray meets, m.
 var<private> passed_m: f32 = 0.0;
 
-// Prepares for a path after another one of the same invocation.
-fn forget_path() {
-    path_scatterings = 0u;
-    path_is_chance = false;
-    passed_m = 0.0;
-}
-
 // The nearest light with a size that a reflection ray meets.
 struct SeenLight {
     is_seen: bool,

@@ -3,9 +3,8 @@
 
 #import material
 
-// 1/2 - 2/(3 pi) and 2/3 - 28/(15 pi), of the single scattering and of its mean.
-const FUJII_SINGLE: f32 = 0.28779342;
-const FUJII_MEAN: f32 = 0.07248819;
+const FUJII_SINGLE: f32 = 0.28779342; // 1/2 - 2/(3 pi)
+const FUJII_MEAN: f32 = 0.07248819; // 2/3 - 28/(15 pi)
 
 fn has_rough_diffuse(s: Surface) -> bool {
     return HAS_ROUGH_DIFFUSE && s.diffuse_roughness > 0.0;
@@ -18,22 +17,17 @@ fn fujii_albedo(roughness: f32, cosine: f32) -> f32 {
     return (1.0 + roughness * rise) / (1.0 + FUJII_SINGLE * roughness);
 }
 
-// Share of light that single scattering of a white surface returns on average.
-fn mean_fujii_albedo(roughness: f32) -> f32 {
-    return (1.0 + FUJII_MEAN * roughness) / (1.0 + FUJII_SINGLE * roughness);
-}
-
-// Share of the light which single scattering leaves that facets return after more.
-fn multiple_albedo(s: Surface) -> vec3f {
-    let mean = mean_fujii_albedo(s.diffuse_roughness);
-    return s.base_color * s.base_color * mean / (vec3f(1.0) - s.base_color * (1.0 - mean));
+// Share of the light which single scattering leaves that facets return after more; w: the mean share that it leaves.
+fn multiple_albedo(s: Surface) -> vec4f {
+    let left = 1.0 - (1.0 + FUJII_MEAN * s.diffuse_roughness) / (1.0 + FUJII_SINGLE * s.diffuse_roughness);
+    return vec4f(s.base_color * s.base_color * (1.0 - left) / (vec3f(1.0) - s.base_color * left), left);
 }
 
 // Color of the diffuse reflection: its albedo towards a view.
 fn diffuse_color(s: Surface, view: vec3f) -> vec3f {
     if (!has_rough_diffuse(s)) { return s.base_color; }
     let single = fujii_albedo(s.diffuse_roughness, dot(s.normal, view));
-    return s.base_color * single + multiple_albedo(s) * (1.0 - single);
+    return s.base_color * single + multiple_albedo(s).xyz * (1.0 - single);
 }
 
 // BRDF times pi of the diffuse reflection for this pair of directions; `albedo`: diffuse albedo towards the view.
@@ -44,7 +38,7 @@ fn diffuse_towards(s: Surface, albedo: vec3f, view: vec3f, to_light: vec3f) -> v
     let nl = clamp(dot(s.normal, to_light), 1e-3, 1.0);
     let along = dot(view, to_light) - nv * nl;
     let single = (1.0 + r * along / select(1.0, max(nv, nl), along > 0.0)) / (1.0 + FUJII_SINGLE * r);
-    let left = (1.0 - fujii_albedo(r, nv)) * (1.0 - fujii_albedo(r, nl)) / max(1.0 - mean_fujii_albedo(r), 1e-6);
-    let lobe = s.base_color * single + multiple_albedo(s) * left;
-    return albedo * lobe / max(diffuse_color(s, view), vec3f(1e-6));
+    let multiple = multiple_albedo(s);
+    let left = (1.0 - fujii_albedo(r, nv)) * (1.0 - fujii_albedo(r, nl)) / max(multiple.w, 1e-6);
+    return albedo * (s.base_color * single + multiple.xyz * left) / max(diffuse_color(s, view), vec3f(1e-6));
 }

@@ -1,5 +1,5 @@
 // Paths, ray by ray; with diffuse interreflection they also continue in directions that diffuse surfaces scatter.
-// A pass says by MIRRORED whether its paths are the mirror rays of pixels, which may march through maps.
+// A pass says by PATHS which paths it follows.
 
 #import in_scattering
 #import closest_hit
@@ -10,6 +10,10 @@
 #import light_reuse
 #import lobe
 #import sampling
+
+const FREE_PATHS: u32 = 0u;
+const MIRROR_PATHS: u32 = 1u; // mirror rays of pixels, which may march through maps
+const HIT_PATHS: u32 = 2u; // mirror rays from their known first hits on, where light is scattered alone
 
 // Whether hits are shaded. false: the same rays are followed and their hits written, to measure how
 // much of the time traversal takes.
@@ -27,19 +31,23 @@ const MOST_LIKELY: f32 = 0.95; // maximum survival probability
 var<private> path_weight: vec3f = vec3f(1.0);
 var<private> path_vertices: u32 = 0u;
 var<private> first_m: f32 = FAR_M; // length of the first ray that was followed
-var<private> free_start_m: f32 = 0.0; // length of it that the march has found free
-var<private> first_hit: vec4u = vec4u(0u, NONE, NONE, 0u); // with MIRRORED: its distance, instance and triangle
-// With MIRRORED, how it ended in a map; CAUSE_UNMARCHED where trees ended it.
+var<private> free_start_m: f32 = 0.0; // length of the first ray that the march has found free
+var<private> first_hit: vec4u = vec4u(0u, NONE, NONE, 0u); // distance, instance and triangle, of MIRROR_PATHS
+var<private> known_hit: Hit; // first hit of HIT_PATHS
+// How the first ray of MIRROR_PATHS ended in a map; CAUSE_UNMARCHED where trees ended it.
 var<private> first_cause: u32 = CAUSE_UNMARCHED;
 
-// Number of diffuse scatterings of the path, which do not count as bounces.
-fn scatterings() -> u32 {
-    if (!HAS_INDIRECT) { return 0u; }
-    return path_scatterings;
+// Number of hits after which the path ends: crossings, diffuse scatterings and known hits do not count as bounces.
+fn most_hits() -> u32 {
+    let uncounted = select(0u, path_crossings, HAS_LAYERS) + select(0u, path_scatterings, HAS_INDIRECT);
+    return frame.bounces + uncounted + select(0u, 1u, PATHS == HIT_PATHS);
 }
 
 // Prepares for a path after another one of the same invocation.
-fn forget_scatterings() {
+fn forget_path() {
+    path_scatterings = 0u;
+    path_is_chance = false;
+    passed_m = 0.0;
     path_weight = vec3f(1.0);
     path_vertices = 0u;
 }
@@ -70,8 +78,9 @@ fn scattered_ray(s: Surface, view: vec3f, albedo: vec3f) -> Reflected {
     return Reflected(out, weight, scattered_density(dot(s.normal, out)), 0.0, 1.0, s.normal);
 }
 
-// Next ray of a path: scattered, or mirrored or transmitted, chosen by the light that each returns.
-fn next_ray(before: Reflected, s: Surface) -> Reflected {
+// Next ray of a path: scattered, or else mirrored or transmitted, chosen by the light that each returns; or
+// `scattered_alone`.
+fn next_ray(before: Reflected, s: Surface, scattered_alone: bool) -> Reflected {
     if (!HAS_INDIRECT) { return onward(before, s); }
     let view = -before.direction;
     let albedo = scattered_albedo(s, view);
@@ -79,7 +88,7 @@ fn next_ray(before: Reflected, s: Surface) -> Reflected {
     if (has_sheen(s) && path_scatterings < frame.diffuse_bounces) {
         diffuse += luminance(sheen_albedo(s, view)) * scattered_share(s, view);
     }
-    let rest = select(0.0, max(onward_albedo(s, view), 0.01), goes_on(s));
+    let rest = select(0.0, max(onward_albedo(s, view), 0.01), goes_on(s) && !scattered_alone);
     if (diffuse + rest <= 0.0) { return Reflected(s.normal, vec3f(0.0), TAKEN, 0.0, 1.0, s.normal); }
     let share = diffuse / (diffuse + rest);
     let u = sample_square(sample_index(), CHOICE_PAIR);
@@ -114,7 +123,8 @@ struct Start {
 
 // The nearest hit of a ray of a path.
 fn hit_of_path(origin: vec3f, direction: vec3f, is_first: bool) -> Hit {
-    if (!MIRRORED) { return trace_nearest(origin, direction, 0.0, FAR_M); }
+    if (PATHS == HIT_PATHS && is_first) { return known_hit; }
+    if (PATHS != MIRROR_PATHS) { return trace_nearest(origin, direction, 0.0, FAR_M); }
     let h = closest_hit(origin, direction, select(0.0, free_start_m, is_first), reach_m());
     if (is_first) { first_cause = map_cause; }
     return h;
@@ -131,14 +141,14 @@ fn gathered_by_path(pixel: vec2u, vertex: u32, hits: u32, start: Start, first: C
     var cone = first;
     var is_straight = is_seen;
     var uncovered = 1.0; // share that the surfaces met so far leave uncovered
-    for (var k = 0u; k < frame.bounces + crossings() + scatterings(); k++) {
+    for (var k = 0u; k < most_hits(); k++) {
         if (max(throughput.x, max(throughput.y, throughput.z)) < frame.dimmest) { break; }
         start_samples(pixel, vertex + k);
         let h = hit_of_path(origin, ray.direction, k == 0u);
         let end = seen_at_end(origin, ray, h.instance, h.t);
         throughput *= medium_transmittance(end.distance_m);
         if (k == 0u) { first_m = end.distance_m; }
-        if (MIRRORED && k == 0u && !end.is_seen) { first_hit = vec4u(bitcast<u32>(h.t), h.instance, h.triangle, 0u); }
+        if (PATHS == MIRROR_PATHS && k == 0u && !end.is_seen) { first_hit = vec4u(bitcast<u32>(h.t), h.instance, h.triangle, 0u); }
         if (HAS_FOG && SHADE) {
             let air = through_air(origin, ray, end.distance_m);
             color += found_light(throughput * air.light, hits + k);
@@ -162,26 +172,27 @@ fn gathered_by_path(pixel: vec2u, vertex: u32, hits: u32, start: Start, first: C
             break;
         }
         // Without shading, a surface only matters where the path may continue from it.
-        if (!SHADE && k + 1u == frame.bounces + crossings() + scatterings()) { break; }
+        if (!SHADE && k + 1u == most_hits()) { break; }
         cone = continued(cone, h.t);
         var s = surface_at(h.instance, h.triangle, h.bary, ray.direction, cone.width_m);
         s.emission *= met_emission(ray, h.instance, h.triangle, h.t, s);
         if (SHADE) {
             var reused = vec2u(0u);
-            if (MIRRORED && REUSES_LIGHT) { reused = reused_visibility(s); }
+            if (REUSES_LIGHT && (PATHS == MIRROR_PATHS || (PATHS == HIT_PATHS && k == 0u))) { reused = reused_visibility(s); }
             color += found_light(throughput * met_light(ray, s, reused), hits + k);
         }
-        if (!MIRRORED && AIMS_THROUGH && first_way != ANY_WAY && !is_aimed_through(s)) {
+        if (PATHS == HIT_PATHS && !HAS_INDIRECT) { break; }
+        if (PATHS == FREE_PATHS && AIMS_THROUGH && first_way != ANY_WAY && !is_aimed_through(s)) {
             if (first_way == BACK) { break; }
             first_way = ANY_WAY;
         }
         if (!continues(s)) { break; }
         uncovered *= 1.0 - coverage(s);
-        ray = next_ray(ray, s);
+        ray = next_ray(ray, s, PATHS == HIT_PATHS && k == 0u);
         throughput *= ray.weight;
         is_straight = is_straight && s.transmission <= 0.0 && dot(ray.direction, start.ray.direction) > 0.99999;
         // A transmitted ray keeps its cone; a mirrored one has its cone widened by the curvature.
-        if (MIRRORED && dot(ray.direction, s.geometric_normal) > 0.0) { cone = mirrored_cone(cone, s.curvature); }
+        if (PATHS == MIRROR_PATHS && dot(ray.direction, s.geometric_normal) > 0.0) { cone = mirrored_cone(cone, s.curvature); }
         origin = onward_origin(s, ray.direction);
     }
     return vec4f(color, 1.0);
@@ -196,7 +207,6 @@ fn followed(pixel: vec2u, vertex: u32, hits: u32, start: Start, first: Cone) -> 
 // Start of the path by which a surface scatters indirect diffuse light along the ray before; without weight where it
 // scatters none.
 fn scattered_by_surface(before: Reflected, s: Surface) -> Start {
-    if (!HAS_INDIRECT) { return Start(before, s.position); }
     let view = -before.direction;
     let albedo = scattered_albedo(s, view);
     let is_matte = any(albedo > vec3f(0.0)) || has_sheen(s);

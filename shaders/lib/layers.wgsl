@@ -64,11 +64,6 @@ fn media_beyond(before: Media, s: Surface) -> Media {
     return Media(before.solids + 1u, s.absorption, before.here, before.around);
 }
 
-fn crossings() -> u32 {
-    if (!HAS_LAYERS) { return 0u; }
-    return path_crossings;
-}
-
 // Share of light that is left after a distance where the path is (Beer-Lambert law).
 fn medium_transmittance(distance_m: f32) -> vec3f {
     if (!HAS_LAYERS) { return vec3f(1.0); }

@@ -16,7 +16,7 @@
 @group(2) @binding(1) var captured_hits: texture_storage_2d_array<rgba32uint, write>; // distance, instance, triangle, place
 @group(2) @binding(2) var<uniform> params: Params;
 
-const MIRRORED: bool = false;
+const PATHS: u32 = FREE_PATHS;
 
 struct Seen {
     light: vec4f, // w: 1 where the ray meets a surface, clear panes left out
@@ -35,12 +35,11 @@ fn seen_from(probe: vec3f, towards: vec3f, seed: vec2u) -> Seen {
     var cone = Cone(0.0, 2.0 / f32(params.face_px));
     var ray = Reflected(towards, vec3f(1.0), 0.0, 1.0, 1.0, vec3f(0.0));
     forget_path();
-    forget_scatterings();
     start_path(origin, false);
     var color = vec3f(0.0);
     var throughput = vec3f(1.0);
     var is_clear = true; // whether the path has only passed clear panes
-    for (var bounce = 0u; bounce < frame.bounces + crossings() + scatterings(); bounce++) {
+    for (var bounce = 0u; bounce < most_hits(); bounce++) {
         start_samples(seed, bounce + 1u);
         let direction = ray.direction;
         let h = trace_nearest(origin, direction, 0.0, reach_m());
@@ -70,7 +69,7 @@ fn seen_from(probe: vec3f, towards: vec3f, seed: vec2u) -> Seen {
         if (is_kept_apart && (bounce == 0u || !is_pane) && is_lamp(h.instance)) { s.emission = vec3f(0.0); }
         color += found_light(throughput * met_light(ray, s, vec2u(0u)), bounce);
         if (!continues(s)) { break; }
-        ray = next_ray(ray, s);
+        ray = next_ray(ray, s, false);
         throughput *= ray.weight;
         is_clear = is_clear && is_pane && bounce < MAX_CLEAR_PANES && dot(ray.direction, s.geometric_normal) < 0.0;
         if (max(throughput.x, max(throughput.y, throughput.z)) < frame.dimmest) { break; }

@@ -7,8 +7,8 @@
 #import leaders
 #import lists
 #import id_intersection
+#import mirrored
 #import radiance
-#import shaded_hit
 #import upsample_params
 
 @group(2) @binding(6) var reflection: RadianceTexture;
@@ -16,6 +16,8 @@
 @group(2) @binding(9) var counts: texture_storage_2d<rgba32uint, write>; // with COUNT
 @group(2) @binding(11) var lead_hit: texture_2d<u32>;
 @group(2) @binding(12) var<uniform> params: Params;
+
+const PATHS: u32 = HIT_PATHS;
 
 // Hits around a pixel, which are of one instance.
 struct Around {
@@ -109,14 +111,13 @@ fn follow_neighbors(pixel: vec2u) -> bool {
     }
     let met = meet_around(around, origin, ray.direction);
     if (met.distance_m < 0.0 || met.distance_m > frame.ray_length_m) { return false; }
-    let cone = reflected_cone(first, met.distance_m);
-    let s = surface_at(around.instance, met.triangle, met.bary, ray.direction, cone.width_m);
-    if (goes_on(s)) { return false; }
     let id = vec2u(around.instance, met.triangle);
+    let cone = continued(mirrored_cone(pixel_cone(distance(first.position, frame.eye)), first.curvature), met.distance_m);
+    if (goes_on(surface_at(id.x, id.y, met.bary, ray.direction, cone.width_m))) { return false; }
     keep_cause(pixel, around.cause);
-    let color = light_of_hit(pixel, first, ray, s, met.distance_m, id, cone);
+    known_hit = Hit(met.distance_m, id.x, id.y, met.bary, 0u);
+    textureStore(reflection, pixel, stored(mirrored_light(pixel, first, ray, first.position)));
     textureStore(hit, pixel, vec4u(bitcast<u32>(met.distance_m), id, 0u));
-    textureStore(reflection, pixel, stored(vec4f(color, 1.0)));
     if (exhausted_rays > 0u) { atomicAdd(&counters[EXHAUSTED_COUNTER], exhausted_rays); }
     return true;
 }
