@@ -40,7 +40,7 @@ fn decal_point(d: Decal, p: vec3f, axes: mat3x3f, cosine: f32, footprint: Footpr
     let width = footprint.width_m * sqrt(length(axes[0]) * length(axes[1]) * max(abs(cosine), 1e-3));
     if (HAS_PATTERNED || HAS_CHECKERS) {
         let own_width = width * sqrt(d.size.x * d.size.y);
-        let at = PatternedPoint(p * d.size, vec3f(0.0, 0.0, 1.0), own_width);
+        let at = PatternedPoint(p * d.size, vec3f(0.0, 0.0, 1.0), own_width, 0u);
         if (HAS_PATTERNED) {
             s = with_patterned(s, m, at);
             alpha = patterned_alpha(m, alpha, at);

@@ -115,6 +115,19 @@ fn stripes(x: f32, normal: vec3f, width: f32) -> f32 {
     return 0.5 - 0.5 * clamp((square_wave_integral(q + 0.5 * w) - square_wave_integral(q - 0.5 * w)) / w, -1.0, 1.0);
 }
 
+// Distance to the nearest of random points, one in each cell of a lattice, and a random number of that cell (Worley
+// 1996, "A Cellular Texture Basis Function").
+fn nearest_point(p: vec3f) -> vec2f {
+    var nearest = vec2f(9.0, 0.0);
+    for (var k = 0; k < 27; k++) {
+        let cell = vec3i(floor(p)) + vec3i(k % 3, k / 3 % 3, k / 9) - 1;
+        let random = 0.5 + 0.5 * lattice_gradient(cell);
+        let away = distance(p, vec3f(cell) + random);
+        if (away < nearest.x) { nearest = vec2f(away, fract(16.0 * random.x)); }
+    }
+    return nearest;
+}
+
 // Share of the second color at a point, given in units of the pattern's size.
 fn pattern(kind: u32, p: vec3f, normal: vec3f, width: f32) -> f32 {
     if (HAS_PATTERNS) {
@@ -130,6 +143,16 @@ fn pattern(kind: u32, p: vec3f, normal: vec3f, width: f32) -> f32 {
             case PATTERN_STRIPES: { return stripes(p.x, normal, width); }
             case PATTERN_GRADIENT: { return clamp(p.x, 0.0, 1.0); }
             case PATTERN_DOTS: { return dots(p, normal, width); }
+            case PATTERN_WOOD: {
+                // A saw of the distance from X, box-filtered.
+                let w = clamp(width, 1e-4, 1.0);
+                let ring = fract(length(p.yz) + 0.25 * octaves(vec3f(0.2 * p.x, p.yz), width) - 0.5 * w);
+                return ring + 0.5 * w - max(ring + w - 1.0, 0.0) / w;
+            }
+            case PATTERN_VORONOI, PATTERN_CELLS: {
+                let shown = mix(min(nearest_point(p), vec2f(1.0)), vec2f(0.55, 0.5), smoothstep(0.25, 1.0, width));
+                return select(shown.x, shown.y, kind == PATTERN_CELLS);
+            }
             default: {}
         }
     }

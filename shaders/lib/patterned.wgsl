@@ -21,6 +21,7 @@ struct PatternedPoint {
     position: vec3f,
     normal: vec3f,
     width: f32,
+    instance: u32,
 }
 
 fn patterned_point(instance: u32, index: array<u32, 3>, bary: vec2f, footprint: Footprint) -> PatternedPoint {
@@ -30,7 +31,7 @@ fn patterned_point(instance: u32, index: array<u32, 3>, bary: vec2f, footprint: 
     let e2 = vertex_position(base + index[2]) - p;
     let across = cross(e1, e2);
     let area2_object = max(length(across), 1e-20);
-    return PatternedPoint(p + e1 * bary.x + e2 * bary.y, across / area2_object, footprint.width_share * sqrt(area2_object));
+    return PatternedPoint(p + e1 * bary.x + e2 * bary.y, across / area2_object, footprint.width_share * sqrt(area2_object), instance);
 }
 
 // Rotation by the smallest angle that turns `axis` to X: Möller and Hughes 1999, "Efficiently Building a Matrix to
@@ -43,8 +44,9 @@ fn turned_to_x(v: vec3f, axis: vec3f) -> vec3f {
 
 fn patterned_value(used: Patterned, at: PatternedPoint) -> vec3f {
     let axis = unpack_unit(used.axis);
-    let p = turned_to_x(at.position - used.origin, axis) / used.size_m;
-    let kind = used.bits & ((1u << PATTERNED_SHIFT) - 1u);
+    var p = turned_to_x(at.position - used.origin, axis) / used.size_m;
+    if ((used.bits & PER_INSTANCE) != 0u) { p += 64.0 * lattice_gradient(vec3i(i32(at.instance), 0, 0)); }
+    let kind = used.bits & (PER_INSTANCE - 1u);
     return mix(used.first, used.second, pattern(kind, p, turned_to_x(at.normal, axis), at.width / used.size_m));
 }
 

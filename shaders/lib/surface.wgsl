@@ -227,7 +227,7 @@ fn surface_at(instance: u32, triangle: u32, place: vec2f, direction: vec3f, cone
     if (HAS_PATTERNED) {
         var at = patterned_point(instance, c.index, bary, footprint);
         if (is_round) {
-            at = PatternedPoint(at.position + round.normal * radius, round.normal, footprint.width_share);
+            at = PatternedPoint(at.position + round.normal * radius, round.normal, footprint.width_share, instance);
         }
         s = with_patterned(s, m, at);
     }

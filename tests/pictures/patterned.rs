@@ -183,3 +183,63 @@ fn patterned_emission_lights() {
     let [left, right] = [9, 38].map(|x| column(&rising, x) / column(&even, x));
     assert!(left < 0.85 && right > 1.15, "{left}, {right}");
 }
+
+#[test]
+fn patterns_finer_than_pixels_show_their_means() {
+    let Some(gpu) = gpu() else { return };
+    for (kind, own_mean) in [
+        ("marble", 0.5),
+        ("wood", 0.5),
+        ("voronoi", 0.55),
+        ("cells", 0.5),
+    ] {
+        let reds = |size_m: f32| {
+            let color = format!(
+                "material.wall.base_color={{ pattern=\"{kind}\", from=[0, 0, 0], to=[1, 1, 1], size_m={size_m} }}"
+            );
+            let picture = render(gpu, WALL, &[&color], &[Aov::BaseColor]);
+            let reds: Vec<f32> = floats(&picture, Aov::BaseColor)
+                .chunks(3)
+                .map(|c| c[0])
+                .collect();
+            let mean = reds.iter().sum::<f32>() / reds.len() as f32;
+            (
+                mean,
+                reds.iter().map(|r| (r - mean).abs()).sum::<f32>() / reds.len() as f32,
+            )
+        };
+        let [(mean, spread), (fine_mean, fine_spread)] = [0.15, 0.01].map(reds);
+        assert!(
+            (mean - own_mean).abs() < 0.06 && spread > 0.12,
+            "{kind}: {mean}, {spread}"
+        );
+        assert!(
+            (fine_mean - own_mean).abs() < 0.02 && fine_spread < 0.02,
+            "{kind}: {fine_mean}"
+        );
+    }
+}
+
+#[test]
+fn instances_show_their_own_parts_of_a_pattern_where_asked() {
+    let Some(gpu) = gpu() else { return };
+    let halves = |own: bool| {
+        let text = WALL.replace("size = [40, 40, 1]", "size = [1, 4, 1]").replace(
+            "base_color = [0.5, 0.5, 0.5]",
+            &format!("base_color = {{ pattern = \"cells\", from = [0, 0, 0], to = [1, 1, 1], size_m = 0.1, per_instance = {own} }}"),
+        );
+        let text = text.replace(
+            "translation = [0, 0, -0.5]",
+            "translation = [-0.5, 0, -0.5]",
+        ) + "[[instance]]\nmodel = \"wall\"\ntranslation = [0.5, 0, -0.5]\n";
+        let picture = render(gpu, &text, &[], &[Aov::BaseColor]);
+        let reds = floats(&picture, Aov::BaseColor);
+        let differs = |at: &usize| (reds[3 * at] - reds[3 * (at + 20)]).abs() > 0.01;
+        (0..40 * 24)
+            .filter(|at| at % 40 < 20)
+            .filter(differs)
+            .count()
+    };
+    assert_eq!(halves(false), 0);
+    assert!(halves(true) > 300);
+}

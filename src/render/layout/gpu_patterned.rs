@@ -12,7 +12,7 @@ gpu_struct! {
     pub struct GpuPatterned = padded "Patterned" {
         /// Value of the pattern's first part; a number is in all three components.
         first: [f32; 3],
-        /// Kind of the pattern, and the value that varies from bit [`PATTERNED_SHIFT`] on.
+        /// Kind of the pattern, [`PER_INSTANCE`], and the value that varies from bit [`PATTERNED_SHIFT`] on.
         bits: u32,
         /// Value of the pattern's second part.
         second: [f32; 3],
@@ -28,12 +28,17 @@ gpu_struct! {
 /// Position in [`GpuPatterned::bits`] of the value that varies.
 pub const PATTERNED_SHIFT: u32 = 8;
 
+/// Bit of [`GpuPatterned::bits`] of a pattern of which each instance shows another part.
+pub const PER_INSTANCE: u32 = 128;
+
 impl GpuPatterned {
     /// A pattern in its layout in shaders; one of no size without a pattern.
     pub fn from_pattern(pattern: Option<&PatternedDesc>) -> Self {
         pattern.map_or(Self::ZERO, |p| Self {
             first: p.from.to_array(),
-            bits: p.kind as u32 | (p.value as u32) << PATTERNED_SHIFT,
+            bits: p.kind as u32
+                | if p.per_instance { PER_INSTANCE } else { 0 }
+                | (p.value as u32) << PATTERNED_SHIFT,
             second: p.to.to_array(),
             size_m: p.size_m,
             origin: p.offset_m.to_array(),

@@ -88,7 +88,7 @@ pub fn wgsl() -> String {
             DECAL_COLOR, DECAL_METALLIC, DECAL_ROUGHNESS, DECAL_NORMAL, DECAL_SET_SHIFT, MOST_DECALS,
             MOST_DECAL_SETS,
         }
-        crate::layout::gpu_patterned { PATTERNED_SHIFT }
+        crate::layout::gpu_patterned { PATTERNED_SHIFT, PER_INSTANCE }
         crate::buffers::texel_array { TEXEL_COLUMNS }
         crate::buffers::textures { POOL_BITS }
         crate::lighting::groove_table { GROOVE_COSINES, GROOVE_STEPS, GROOVE_NODES }

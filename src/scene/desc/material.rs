@@ -216,6 +216,8 @@ pub struct PatternedDesc {
     pub axis: Vec3,
     /// Origin of the pattern in object space, meters.
     pub offset_m: Vec3,
+    /// Whether each instance shows another part of the pattern.
+    pub per_instance: bool,
 }
 
 declared! {

@@ -42,6 +42,12 @@ declared! {
         /// disks of the second color on the first, with centers `size_m` apart and 0.6 `size_m` wide, on the
         /// faces along which the surface lies.
         Dots = "dots",
+        /// rings around X, bent a little, each `size_m` wide and from the first color to the second, as of a trunk.
+        Wood = "wood",
+        /// cells around random points `size_m` apart on average, from the first color at each point to the second at that distance.
+        Voronoi = "voronoi",
+        /// the same cells, each of one random mix of both colors, as of terrazzo.
+        Cells = "cells",
     }
 }
 
@@ -65,6 +71,7 @@ declared! {
     /// - `axis`: direction of the pattern's own X, three numbers, not all 0; its Y and Z turn with it by the smallest
     ///   rotation. Default [1, 0, 0].
     /// - `offset_m`: place of the pattern's origin, meters in object space, three numbers. Default [0, 0, 0].
+    /// - `per_instance`: whether each instance shows another part of the pattern, as boards of one wood do. Default false.
     pub struct NumberPatternDesc;
 
     /// `base_color = { pattern = "noise", from = "#803010", to = "#e0e0e0", size_m = 0.2 }`: as a number that follows a
@@ -77,6 +84,7 @@ declared! {
     /// - `axis`: direction of the pattern's own X, three numbers, not all 0; its Y and Z turn with it by the smallest
     ///   rotation. Default [1, 0, 0].
     /// - `offset_m`: place of the pattern's origin, meters in object space, three numbers. Default [0, 0, 0].
+    /// - `per_instance`: whether each instance shows another part of the pattern, as boards of one wood do. Default false.
     pub struct ColorPatternDesc;
 }
 

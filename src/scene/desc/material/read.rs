@@ -85,6 +85,12 @@ impl VariedBy {
         let size_m = t.need("size_m", ABOVE_0);
         let axis: Vec3 = t.get("axis", ANY, Vec3::X);
         let offset_m = t.get("offset_m", ANY, Vec3::ZERO);
+        let per_instance = t.get("per_instance", ANY, false);
+        if t.clean() && per_instance && kind == Some(PatternKind::Gradient) {
+            let help = "leave it out, or take another pattern";
+            let message = "a gradient has one part alone, so that `per_instance` moves it away";
+            t.refuse("conflicting-keys", "per_instance", message, help);
+        }
         if t.clean() && axis == Vec3::ZERO {
             let help = "write the direction along which the pattern varies, such as [0, 1, 0]";
             t.refuse("zero-direction", "axis", "`axis` must not be zero", help);
@@ -97,6 +103,7 @@ impl VariedBy {
             size_m: size_m?,
             axis: axis.as_dvec3().normalize_or_zero().as_vec3(),
             offset_m,
+            per_instance,
         }))
     }
 
