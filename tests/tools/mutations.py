@@ -11,7 +11,7 @@ from pathlib import Path
 
 import hostile_materialx
 from PIL import Image
-from texts import fill, text_of
+from texts import texts_of
 
 SECRET = "SecretOfAnotherFolder"
 _NUMBERS = ("nan", "inf", "-inf", "-1", "0", "1e308", "-1e38", "2147483647", "4294967296", "99999")
@@ -189,79 +189,8 @@ def _escaping_package(quads: bytes) -> bytes:
 
 
 _PAIR = {"b.usda": b'#usda 1.0\n(defaultPrim="B")\ndef "B" (references = @stage.usda@</A>) {}\n'}
-_MESH = text_of("mutations/_mesh.usda")
-_SQUARE = "[(0,0,0), (1,0,0), (1,1,0), (0,1,0)]"
-
-
-def _mesh(counts: str, indices: str, points: str = _SQUARE, more: str = "") -> str:
-    return fill(_MESH, counts=counts, indices=indices, points=points, more=more)
-
-
 _BODIES: dict[str, str] = {
-    "index-too-large": _mesh("[4]", "[0,1,2,9]"),
-    "index-negative": _mesh("[4]", "[0,1,2,-3]"),
-    "count-negative": _mesh("[-4]", "[0,1,2,3]"),
-    "count-absurd": _mesh("[2147483647]", "[0,1,2,3]"),
-    "counts-wrap": _mesh("[2147483647, 2147483647, 6]", "[0,1,2,3]"),
-    "count-small": _mesh("[2, 1, 0]", "[0,1,2]"),
-    "no-points": _mesh("[4]", "[0,1,2,3]", "[]"),
-    "no-faces": _mesh("[]", "[]"),
-    "points-nan": _mesh("[4]", "[0,1,2,3]", "[(nan,0,0), (1,0,0), (1,inf,0), (0,1,0)]"),
-    "points-huge": _mesh("[4]", "[0,1,2,3]", "[(1e38,0,0), (-1e38,0,0), (1,1e38,0), (0,1,0)]"),
-    "degenerate": _mesh("[4, 3]", "[0,0,0,0,1,1,2]"),
-    "holes-wild": _mesh("[4]", "[0,1,2,3]", more="int[] holeIndices = [-1, 7, 99999999]"),
-    "normals-short": _mesh("[4]", "[0,1,2,3]", more="normal3f[] normals = [(0,0,1)]"),
-    "normals-zero": _mesh(
-        "[4]", "[0,1,2,3]", more="normal3f[] normals = [(0,0,0),(nan,0,0),(0,0,1),(0,0,1)]"
-    ),
-    "uv-nan": _mesh(
-        "[4]",
-        "[0,1,2,3]",
-        more='texCoord2f[] primvars:st = [(nan,0),(1,inf),(1,1),(0,1)] (interpolation="vertex")',
-    ),
-    "primvar-index-wild": _mesh(
-        "[4]",
-        "[0,1,2,3]",
-        more='texCoord2f[] primvars:st = [(0,0)] (interpolation="faceVarying")\n'
-        "    int[] primvars:st:indices = [0, -1, 99999, 0]",
-    ),
-    "color-short": _mesh(
-        "[4]",
-        "[0,1,2,3]",
-        more='color3f[] primvars:displayColor = [(1,0,0)] (interpolation="uniform")\n'
-        '    float[] primvars:displayOpacity = [0.5, nan] (interpolation="vertex")',
-    ),
-    "scale-zero": 'def Cube "C" { float3 xformOp:scale = (0,0,0)\n'
-    'uniform token[] xformOpOrder = ["xformOp:scale"] }',
-    "scale-nan": 'def Cube "C" { float3 xformOp:scale = (nan,1,inf)\n'
-    'uniform token[] xformOpOrder = ["xformOp:scale"] }',
-    "op-missing": 'def Cube "C" { uniform token[] xformOpOrder = ["xformOp:translate:none"] }',
-    "op-wrong": 'def Cube "C" { string xformOp:translate = "up"\n'
-    'uniform token[] xformOpOrder = ["xformOp:translate", "!invert!xformOp:nothing"] }',
-    "matrix-singular": 'def Cube "C" { matrix4d xformOp:transform = '
-    "((0,0,0,0),(0,0,0,0),(0,0,0,0),(0,0,0,0))\n"
-    'uniform token[] xformOpOrder = ["xformOp:transform"] }',
-    "radius-bad": 'def Sphere "S" { double radius = nan }\ndef Cone "N" { double height = -1 }\n'
-    'def Capsule "K" { double radius = inf\n uniform token axis = "W" }',
-    "reference-self": 'def "A" (references = </A>) {}',
-    "reference-cycle": 'def "A" (references = </B>) {}\ndef "B" (references = </A>) {}',
-    "inherit-cycle": 'class "A" (inherits = </B>) {}\nclass "B" (inherits = </A>) {}',
-    "reference-child": 'def "A" (references = </A/B>) { def "B" {} }',
-    "reference-gone": 'def "A" (references = @gone.usda@) {}\n'
-    'def "B" (payload = @/gone.usd@</X>) {}',
-    "reference-escaping": 'def "A" (references = @../secret.usda@) {}',
-    "reference-absolute": 'def "A" (references = @/etc/passwd@) {}',
-    "reference-device": 'def "A" (references = @/dev/zero@) {}',
-    "variant-gone": 'def "A" (variants = {string v = "x"}\nprepend variantSets = "v") {}',
-    "instancer-self": 'def PointInstancer "P" { rel prototypes = </P>\nint[] protoIndices = [0]\n'
-    "point3f[] positions = [(0,0,0)] }",
-    "instancer-cycle": 'def PointInstancer "P" { rel prototypes = </Q>\n'
-    "int[] protoIndices = [0,0]\npoint3f[] positions = [(0,0,0),(1,0,0)] }\n"
-    'def PointInstancer "Q" { rel prototypes = </P>\n'
-    "int[] protoIndices = [0,0]\npoint3f[] positions = [(0,0,0),(1,0,0)] }",
-    "instancer-wild": 'def PointInstancer "P" { rel prototypes = [</P/C>, </Gone>]\n'
-    "int[] protoIndices = [0, -1, 1, 77]\npoint3f[] positions = [(0,0,0), (nan,0,0)]\n"
-    'quath[] orientations = [(0,0,0,0)]\ndef Cube "C" {} }',
+    **texts_of("mutations/bodies"),
     "instancer-bomb": "".join(
         f'def PointInstancer "P{n}" {{ rel prototypes = </P{n + 1}>\n'
         f"int[] protoIndices = [{', '.join('0' * 40)}]\n"
@@ -279,17 +208,6 @@ _BODIES: dict[str, str] = {
         for n in range(1, 8)
     )
     + 'def "R" (inherits = </C7>) {}',
-    "shader-cycle": text_of("mutations/shader_cycle.usda"),
-    "texture-escaping": text_of("mutations/texture_escaping.usda"),
-    "skeleton-wild": text_of("mutations/skeleton_wild.usda"),
-    "camera-odd": 'def Camera "C" { float focalLength = 0\nfloat2 clippingRange = (-5, nan)\n'
-    "float verticalAperture = 0 }",
-    "light-odd": 'def SphereLight "L" { float inputs:intensity = nan\nfloat inputs:radius = -1\n'
-    "float inputs:exposure = 1e30 }\n"
-    'def DistantLight "D" { float inputs:angle = -400\nfloat inputs:intensity = -1 }',
-    "time-odd": 'def Cube "C" { double3 xformOp:translate.timeSamples = '
-    "{ -1e30: (0,0,0), 0: (nan,0,0), 1e30: (1,1,1), 5: None }\n"
-    'uniform token[] xformOpOrder = ["xformOp:translate"] }',
 }
 _METADATA: dict[str, str] = {
     "sublayer-self": "subLayers = [@stage.usda@]",
