@@ -63,7 +63,8 @@ fn unreflected(s: Surface, view: vec3f) -> vec3f {
 
 // Share of light that a clear coat does not let through: where energy is lost, its reflectance if it were smooth.
 fn coat_albedo(s: Surface, roughness: f32, cosine: f32) -> f32 {
-    if (!CONSERVES_ENERGY) { return mix(s.coat_reflectivity, 1.0, schlick_weight(cosine)); }
+    let grazing = f90(vec3f(s.coat_reflectivity));
+    if (!CONSERVES_ENERGY) { return mix(s.coat_reflectivity, grazing, schlick_weight(cosine)); }
     let lobe = lobe_at(roughness, cosine);
-    return split_sum(vec3f(s.coat_reflectivity), 1.0, lobe).x * (1.0 + s.coat_reflectivity * lost(lobe));
+    return split_sum(vec3f(s.coat_reflectivity), grazing, lobe).x * (1.0 + s.coat_reflectivity * lost(lobe));
 }
