@@ -156,7 +156,8 @@ fn material_value(rest: &str) -> Option<(PointedValue, usize)> {
     }
     // KHR_materials_clearcoat_ior is an extension of KHR_materials_clearcoat.
     let own = rest.strip_prefix("extensions/KHR_materials_clearcoat/");
-    let own = own.filter(|own| own.starts_with(LAYER)).unwrap_or(rest);
+    let own = own.filter(|own| own.starts_with("extensions/KHR_materials_clearcoat_ior/"));
+    let own = own.unwrap_or(rest);
     if let Some(layer) = own.strip_prefix(LAYER) {
         let row = LAYER_NUMBERS.iter().find(|(path, _)| *path == layer);
         if let Some(field) = row.and_then(|(_, key)| layer_field(key)) {

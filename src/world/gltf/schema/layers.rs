@@ -16,6 +16,9 @@ use reflet_scene::{
 /// Begin of the names of extensions of materials.
 const KHR: &str = "KHR_materials_";
 
+/// The extension of `KHR_materials_clearcoat` that is read, where it is within that.
+const WITHIN_COAT: &str = "KHR_materials_clearcoat_ior";
+
 /// Whether a number is of an extension.
 fn is_in(path: &str, extension: Option<&str>) -> bool {
     path.split('/').next() == extension
@@ -121,9 +124,13 @@ impl<'de> Visitor<'de> for Keys<'_> {
                 }
                 continue;
             };
-            // KHR_materials_clearcoat_ior is an extension of KHR_materials_clearcoat.
-            if key == "extensions" {
-                let extension = None;
+            let inner = match (extension, key.as_str()) {
+                ("clearcoat", "extensions") => Some(WITHIN_COAT),
+                (WITHIN_COAT, WITHIN_COAT) => Some("clearcoat_ior"),
+                _ => None,
+            };
+            if inner.is_some() {
+                let extension = inner;
                 map.next_value_seed(Keys { extension, out })?;
                 continue;
             }
@@ -150,7 +157,7 @@ impl<'de> DeserializeSeed<'de> for Keys<'_> {
 
     fn deserialize<D: Deserializer<'de>>(self, from: D) -> Result<(), D::Error> {
         let is_own = |(path, _): &(&str, _)| is_in(path, self.extension);
-        if self.extension.is_none() || LAYER_NUMBERS.iter().any(is_own) {
+        if self.extension == Some(WITHIN_COAT) || LAYER_NUMBERS.iter().any(is_own) {
             return from.deserialize_any(self);
         }
         IgnoredAny::deserialize(from).map(|_| ())
