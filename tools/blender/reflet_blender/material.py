@@ -113,6 +113,16 @@ def _share(shader: bpy.types.Node, name: str) -> float:
     return min(max(_number(shader, name), 0.0), 1.0)
 
 
+def _own_number(
+    shader: bpy.types.Node, key: str, name: str, bounds: tuple[float, float, float]
+) -> dict[str, float]:
+    """The own value of an input as a key, unless it is the plain first of `bounds`."""
+    plain, least, most = bounds
+    socket = shader.inputs.get(name)
+    value = plain if socket is None else float(socket.default_value)
+    return {} if value == plain else {key: min(max(value, least), most)}
+
+
 def _principled(shader: bpy.types.Node, name: str, report: Report) -> dict[str, Any]:
     out: dict[str, Any] = {}
     _name_procedural(shader, name, report)
@@ -125,11 +135,13 @@ def _principled(shader: bpy.types.Node, name: str, report: Report) -> dict[str, 
         glow.is_linked or max(glow.default_value[:3]) > 0
     ):
         out["light"] = True
-    rough = shader.inputs.get("Diffuse Roughness")
-    if rough is not None and not rough.is_linked and rough.default_value > 0:
-        out["diffuse_roughness"] = min(float(rough.default_value), 1.0)
+    out.update(_own_number(shader, "diffuse_roughness", "Diffuse Roughness", (0.0, 0.0, 1.0)))
     if _number(shader, "Coat Weight") > 0:
-        out["clearcoat_ior"] = min(max(_number(shader, "Coat IOR"), 1.0), 4.0)
+        out.update(_own_number(shader, "clearcoat_ior", "Coat IOR", (1.5, 1.0, 4.0)))
+    for socket in ("Diffuse Roughness", "Coat IOR"):
+        if socket in shader.inputs and shader.inputs[socket].is_linked:
+            text = f"{socket} has its own value, not what is linked to it"
+            report.lose("material-approximated", name, text)
     film = _number(shader, "Thin Film Thickness")
     if film > 0:
         ior = min(max(_number(shader, "Thin Film IOR"), 1.0), 4.0)
@@ -140,7 +152,7 @@ def _principled(shader: bpy.types.Node, name: str, report: Report) -> dict[str, 
 def _diffuse(shader: bpy.types.Node, name: str, report: Report) -> dict[str, Any]:
     _name_linked(shader, name, report)
     look = {"base_color": _color(shader, "Color"), "metallic": 0, "roughness": 1, "specular": 0}
-    return {**look, "diffuse_roughness": _share(shader, "Roughness")}
+    return {**look, **_own_number(shader, "diffuse_roughness", "Roughness", (0.0, 0.0, 1.0))}
 
 
 def _glossy(shader: bpy.types.Node, name: str, report: Report) -> dict[str, Any]:
