@@ -1,4 +1,4 @@
-// Details: specular color, sheen, anisotropy, clear coat normals and more of the surfaces that pixels show, for which the
+// Details: values beyond the G-buffer's (specular color, sheen, grooves, coats, diffuse roughness) of the surfaces that pixels show, for which the
 // G-buffer has no bits; layer 0 is a copy of the G-buffer's colors.
 
 #import details_layout

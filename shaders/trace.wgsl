@@ -10,7 +10,7 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: ve
     // Invocations past the list's end fill the last workgroup.
     if (ray >= atomicLoad(&counters[select(RAY_COUNTER, REST_COUNTER, UNDERSAMPLED)])) { return; }
     let pixel = unpack_pixel(lists[ray_slot(ray)]);
-    _ = trace_pixel(pixel);
+    trace_pixel(pixel);
     keep_cause(pixel, first_cause);
     if (COUNT) { textureStore(counts, pixel, vec4u(map_steps, traversals, visited_nodes, tested_triangles)); }
 }

@@ -30,7 +30,7 @@ fn decal_texel(m: u32, slot: u32, uv: vec2f, footprint: mat2x2f) -> vec4f {
 
 // Surface of a decal at `p` of its cube. `cosine` is that between the surface's normal and the box's Z, `axes` are the
 // gradients of the cube's coordinates, `n` is the normal that it bends.
-fn decal_point(d: Decal, p: vec3f, axes: mat3x3f, cosine: f32, footprint: Footprint, n: vec3f) -> DecalPoint {
+fn decal_point(d: Decal, index: u32, p: vec3f, axes: mat3x3f, cosine: f32, footprint: Footprint, n: vec3f) -> DecalPoint {
     let m = d.material;
     var s = material_surface(m);
     s.normal = n;
@@ -40,7 +40,7 @@ fn decal_point(d: Decal, p: vec3f, axes: mat3x3f, cosine: f32, footprint: Footpr
     let width = footprint.width_m * sqrt(length(axes[0]) * length(axes[1]) * max(abs(cosine), 1e-3));
     if (HAS_PATTERNED || HAS_CHECKERS) {
         let own_width = width * sqrt(d.size.x * d.size.y);
-        let at = PatternedPoint(p * d.size, vec3f(0.0, 0.0, 1.0), own_width, 0u);
+        let at = PatternedPoint(p * d.size, vec3f(0.0, 0.0, 1.0), own_width, index);
         if (HAS_PATTERNED) {
             s = with_patterned(s, m, at);
             alpha = patterned_alpha(m, alpha, at);
@@ -89,14 +89,15 @@ fn with_decals(s0: Surface, instance: u32, plain: vec3f, behind: bool, footprint
         while (left != 0u) {
             let bit = firstTrailingBit(left);
             left &= left - 1u;
-            let d = decals.decals[word * 32u + bit];
+            let index = word * 32u + bit;
+            let d = decals.decals[index];
             let p = vec4f(s.position, 1.0) * d.box_from_world;
             if (any(abs(p) > vec3f(0.5))) { continue; }
             let axes = mat3x3f(d.box_from_world[0].xyz, d.box_from_world[1].xyz, d.box_from_world[2].xyz);
             var cosine = dot(plain, normalize(axes[2])) * side;
             if (is_thin) { cosine = abs(cosine); }
             if (cosine <= d.least_cosine) { continue; }
-            let over = decal_point(d, p, axes, cosine, footprint, s.normal);
+            let over = decal_point(d, index, p, axes, cosine, footprint, s.normal);
             let share = over.share;
             if ((d.changes & DECAL_COLOR) != 0u) {
                 s.base_color = mix(s.base_color, over.surface.base_color, share);

@@ -17,7 +17,7 @@ fn fujii_albedo(roughness: f32, cosine: f32) -> f32 {
     return (1.0 + roughness * rise) / (1.0 + FUJII_SINGLE * roughness);
 }
 
-// Share of the light which single scattering leaves that facets return after more; w: the mean share that it leaves.
+// Color of light that facets scatter more than once; w: mean share of light that single scattering leaves to it.
 fn multiple_albedo(s: Surface) -> vec4f {
     let left = 1.0 - (1.0 + FUJII_MEAN * s.diffuse_roughness) / (1.0 + FUJII_SINGLE * s.diffuse_roughness);
     return vec4f(s.base_color * s.base_color * (1.0 - left) / (vec3f(1.0) - s.base_color * left), left);
@@ -34,11 +34,10 @@ fn diffuse_color(s: Surface, view: vec3f) -> vec3f {
 fn diffuse_towards(s: Surface, albedo: vec3f, view: vec3f, to_light: vec3f) -> vec3f {
     if (!has_rough_diffuse(s)) { return albedo; }
     let r = s.diffuse_roughness;
-    let nv = clamp(dot(s.normal, view), 1e-3, 1.0);
-    let nl = clamp(dot(s.normal, to_light), 1e-3, 1.0);
-    let along = dot(view, to_light) - nv * nl;
-    let single = (1.0 + r * along / select(1.0, max(nv, nl), along > 0.0)) / (1.0 + FUJII_SINGLE * r);
+    let c = clamp(vec2f(dot(s.normal, view), dot(s.normal, to_light)), vec2f(1e-3), vec2f(1.0));
+    let along = dot(view, to_light) - c.x * c.y;
+    let single = (1.0 + r * along / select(1.0, max(c.x, c.y), along > 0.0)) / (1.0 + FUJII_SINGLE * r);
     let multiple = multiple_albedo(s);
-    let left = (1.0 - fujii_albedo(r, nv)) * (1.0 - fujii_albedo(r, nl)) / max(multiple.w, 1e-6);
+    let left = (1.0 - fujii_albedo(r, c.x)) * (1.0 - fujii_albedo(r, c.y)) / max(multiple.w, 1e-6);
     return albedo * (s.base_color * single + multiple.xyz * left) / max(diffuse_color(s, view), vec3f(1e-6));
 }

@@ -78,8 +78,7 @@ fn scattered_ray(s: Surface, view: vec3f, albedo: vec3f) -> Reflected {
     return Reflected(out, weight, scattered_density(dot(s.normal, out)), 0.0, 1.0, s.normal);
 }
 
-// Next ray of a path: scattered, or else mirrored or transmitted, chosen by the light that each returns; or
-// `scattered_alone`.
+// Next ray of a path by the light that each returns: scattered or, unless `scattered_alone`, mirrored or transmitted.
 fn next_ray(before: Reflected, s: Surface, scattered_alone: bool) -> Reflected {
     if (!HAS_INDIRECT) { return onward(before, s); }
     let view = -before.direction;

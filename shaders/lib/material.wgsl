@@ -64,7 +64,7 @@ override HAS_INDICES: bool = true;
 // Whether some specular lobe is anisotropic.
 override HAS_ANISOTROPY: bool = true;
 
-// Whether some clear coat has an index of refraction other than 1.5, the index of KHR_materials_clearcoat.
+// Whether some clear coat has an index of refraction of its own in place of 1.5, the index of KHR_materials_clearcoat.
 override HAS_COAT_INDICES: bool = true;
 const COAT_REFLECTIVITY: f32 = 0.04;
 

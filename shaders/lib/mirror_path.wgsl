@@ -12,8 +12,8 @@
 
 const PATHS: u32 = MIRROR_PATHS;
 
-// Traces the mirror ray of a pixel and writes its reflection; the result is its first hit.
-fn trace_pixel(pixel: vec2u) -> vec4u {
+// Traces the mirror ray of a pixel, and writes its reflection and its first hit.
+fn trace_pixel(pixel: vec2u) {
     let first = load_surface(pixel);
     let ray = reflected_ray(pixel, first);
     var light = vec4f(0.0);
@@ -24,5 +24,4 @@ fn trace_pixel(pixel: vec2u) -> vec4u {
     if (SHADE) { textureStore(reflection, pixel, stored(light)); }
     textureStore(hit, pixel, first_hit);
     if (exhausted_rays > 0u) { atomicAdd(&counters[EXHAUSTED_COUNTER], exhausted_rays); }
-    return first_hit;
 }

@@ -115,8 +115,8 @@ fn stripes(x: f32, normal: vec3f, width: f32) -> f32 {
     return 0.5 - 0.5 * clamp((square_wave_integral(q + 0.5 * w) - square_wave_integral(q - 0.5 * w)) / w, -1.0, 1.0);
 }
 
-// Distance to the nearest of random points, one in each cell of a lattice, and a random number of that cell (Worley
-// 1996, "A Cellular Texture Basis Function").
+// Distance to the nearest of random points, one in each cell of a lattice at its gradient, and a random number of that
+// cell (Worley 1996, "A Cellular Texture Basis Function").
 fn nearest_point(p: vec3f) -> vec2f {
     var nearest = vec2f(9.0, 0.0);
     for (var k = 0; k < 27; k++) {
@@ -145,7 +145,8 @@ fn pattern(kind: u32, p: vec3f, normal: vec3f, width: f32) -> f32 {
             case PATTERN_DOTS: { return dots(p, normal, width); }
             case PATTERN_WOOD: {
                 // A saw of the distance from X, box-filtered.
-                let w = clamp(width, 1e-4, 1.0);
+                if (width >= 1.0) { return 0.5; }
+                let w = max(width, 1e-4);
                 let ring = fract(length(p.yz) + 0.25 * octaves(vec3f(0.2 * p.x, p.yz), width) - 0.5 * w);
                 return ring + 0.5 * w - max(ring + w - 1.0, 0.0) / w;
             }

@@ -44,6 +44,7 @@ impl Session {
         })
     }
 
+    /// A scene with a script, opened.
     pub fn new() -> Option<Self> {
         let folder = Folder::new();
         let text = format!("script = \"sub/move.rhai\"\n{SCENE}").replace(

@@ -56,9 +56,9 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: ve
     let leader = sorted_leader(group.y * groups.x + group.x, lane);
     if (leader == NONE) { return; }
     let pixel = unpack_pixel(leader);
-    let found = trace_pixel(pixel);
+    trace_pixel(pixel);
     // Kept for the followers. The number of textures that a stage may write leaves none for the cause of these pixels:
     // `spread` writes it.
-    textureStore(lead_hit, pixel, vec4u(found.xyz, first_cause));
+    textureStore(lead_hit, pixel, vec4u(first_hit.xyz, first_cause));
     if (COUNT) { textureStore(counts, pixel, vec4u(map_steps, traversals, visited_nodes, tested_triangles)); }
 }

@@ -113,7 +113,7 @@ fn follow_neighbors(pixel: vec2u) -> bool {
     if (met.distance_m < 0.0 || met.distance_m > frame.ray_length_m) { return false; }
     let id = vec2u(around.instance, met.triangle);
     let cone = continued(mirrored_cone(pixel_cone(distance(first.position, frame.eye)), first.curvature), met.distance_m);
-    if (goes_on(surface_at(id.x, id.y, met.bary, ray.direction, cone.width_m))) { return false; }
+    if (goes_on(surface_at(id.x, id.y, met.bary, ray.direction, cone.width_m))) { return false; } // shading looks it up again
     keep_cause(pixel, around.cause);
     known_hit = Hit(met.distance_m, id.x, id.y, met.bary, 0u);
     textureStore(reflection, pixel, stored(mirrored_light(pixel, first, ray, first.position)));

@@ -4,6 +4,7 @@ use reflet_scene::desc::PatternedDesc;
 
 use super::{
     gpu_struct::{Shared as _, gpu_struct},
+    types::flag,
     unit_vector::pack_unit,
 };
 
@@ -37,7 +38,7 @@ impl GpuPatterned {
         pattern.map_or(Self::ZERO, |p| Self {
             first: p.from.to_array(),
             bits: p.kind as u32
-                | if p.per_instance { PER_INSTANCE } else { 0 }
+                | flag(p.per_instance, PER_INSTANCE)
                 | (p.value as u32) << PATTERNED_SHIFT,
             second: p.to.to_array(),
             size_m: p.size_m,

@@ -304,6 +304,7 @@ features! {
     coat_indices {
         used: scene.has(|m| m.clearcoat.is_some() && m.clearcoat_ior.is_some()),
         constant: HAS_COAT_INDICES,
+        dropped: "indices of clear coats" => "no clear coat has its own", if coats;
     }
     /// Whether some transmissive solid has dispersion.
     dispersion {

@@ -71,7 +71,8 @@ declared! {
     /// - `axis`: direction of the pattern's own X, three numbers, not all 0; its Y and Z turn with it by the smallest
     ///   rotation. Default [1, 0, 0].
     /// - `offset_m`: place of the pattern's origin, meters in object space, three numbers. Default [0, 0, 0].
-    /// - `per_instance`: whether each instance shows another part of the pattern, as boards of one wood do. Default false.
+    /// - `per_instance`: whether each instance, and each mesh of a model, shows another part of the pattern, as boards of one wood
+    ///   do; not of a gradient. Which parts changes with the number of instances before. Default false.
     pub struct NumberPatternDesc;
 
     /// `base_color = { pattern = "noise", from = "#803010", to = "#e0e0e0", size_m = 0.2 }`: as a number that follows a
@@ -84,7 +85,8 @@ declared! {
     /// - `axis`: direction of the pattern's own X, three numbers, not all 0; its Y and Z turn with it by the smallest
     ///   rotation. Default [1, 0, 0].
     /// - `offset_m`: place of the pattern's origin, meters in object space, three numbers. Default [0, 0, 0].
-    /// - `per_instance`: whether each instance shows another part of the pattern, as boards of one wood do. Default false.
+    /// - `per_instance`: whether each instance, and each mesh of a model, shows another part of the pattern, as boards of one wood
+    ///   do; not of a gradient. Which parts changes with the number of instances before. Default false.
     pub struct ColorPatternDesc;
 }
 

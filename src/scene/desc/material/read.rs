@@ -107,7 +107,7 @@ impl VariedBy {
         }))
     }
 
-    /// Adds the pattern of a value to a list, and returns the value's mean.
+    /// Adds the pattern of a value to a list, and returns the middle of its two values.
     fn add(self, value: PatternedKey, to: &mut Vec<PatternedDesc>) -> Vec3 {
         to.push(PatternedDesc { value, ..self.0 });
         0.5 * (self.0.from + self.0.to)
