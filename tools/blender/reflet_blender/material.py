@@ -116,7 +116,7 @@ def _share(shader: bpy.types.Node, name: str) -> float:
 def _own_number(
     shader: bpy.types.Node, key: str, name: str, bounds: tuple[float, float, float]
 ) -> dict[str, float]:
-    """The own value of an input as a key, unless it is the plain first of `bounds`."""
+    """The own value of an input as a key; nothing at its plain value, the first of `bounds`."""
     plain, least, most = bounds
     socket = shader.inputs.get(name)
     value = plain if socket is None else float(socket.default_value)

@@ -16,7 +16,7 @@ use reflet_scene::{
 /// Begin of the names of extensions of materials.
 const KHR: &str = "KHR_materials_";
 
-/// The extension of `KHR_materials_clearcoat` that is read, where it is within that.
+/// Extension within `KHR_materials_clearcoat` that is read: its index of refraction.
 const WITHIN_COAT: &str = "KHR_materials_clearcoat_ior";
 
 /// Whether a number is of an extension.
