@@ -5,7 +5,6 @@
 #import gbuffer
 #import cause
 #import fogged
-#import lobe_albedo
 
 override HAS_REFLECTIONS: bool = true;
 

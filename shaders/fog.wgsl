@@ -1,7 +1,6 @@
 // Fog: light that the fog between the camera and a pixel's surface scatters, and its transmittance.
 
 #import in_scattering
-#import cone
 #import gbuffer
 #import indirect
 #import lists

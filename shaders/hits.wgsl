@@ -12,7 +12,11 @@
 
 const PATHS: u32 = HIT_PATHS;
 
-fn shade_pixel(pixel: vec2u) {
+@compute @workgroup_size(RAYS_PER_GROUP)
+fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) lane: u32) {
+    let index = (group.y * groups.x + group.x) * RAYS_PER_GROUP + lane;
+    if (index >= atomicLoad(&counters[HIT_COUNTER])) { return; }
+    let pixel = unpack_pixel(lists[hit_slot(index)]);
     let first = load_surface(pixel);
     let ray = reflected_ray(pixel, first);
     let found = textureLoad(hit, pixel, 0);
@@ -22,13 +26,5 @@ fn shade_pixel(pixel: vec2u) {
     known_hit = Hit(select(bitcast<f32>(found.x), FAR_M, is_past_all), found.y, found.z, unpack2x16unorm(found.w), 0u);
     textureStore(reflection, pixel, stored(mirrored_light(pixel, first, ray, first.position)));
     if (exhausted_rays > 0u) { atomicAdd(&counters[EXHAUSTED_COUNTER], exhausted_rays); }
-}
-
-@compute @workgroup_size(RAYS_PER_GROUP)
-fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) lane: u32) {
-    let index = (group.y * groups.x + group.x) * RAYS_PER_GROUP + lane;
-    if (index >= atomicLoad(&counters[HIT_COUNTER])) { return; }
-    let pixel = unpack_pixel(lists[hit_slot(index)]);
-    shade_pixel(pixel);
     if (COUNT) { textureStore(counts, pixel, vec4u(0u, traversals, visited_nodes, tested_triangles)); }
 }

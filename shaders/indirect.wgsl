@@ -33,7 +33,7 @@ fn gathered(pixel: vec2u) -> vec4f {
         path_share = brightest;
         start.ray.weight /= brightest;
     }
-    let light = followed(pixel, FIRST_VERTEX + 1u, 0u, start, pixel_cone(distance_m));
+    let light = gathered_by_path(pixel, FIRST_VERTEX + 1u, 0u, start, pixel_cone(distance_m), false).xyz;
     if (!SMOOTHED) { return vec4f(light, 1.0); }
     let arrived = select(vec3f(-1.0), light * path_share / max(albedo, vec3f(1e-4)), albedo >= vec3f(1e-4));
     return vec4f(arrived, clamp(pixel_width(distance_m) / first_m, 1e-3, 1.0));

@@ -14,7 +14,9 @@ override SHOW_ENVIRONMENT: bool = true;
 // Whether the background is transparent.
 override HIDES_BACKGROUND: bool = false;
 
-fn light_pixel(pixel: vec2u) {
+@compute @workgroup_size(GROUP_PX, GROUP_PX)
+fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_id) local: vec3u) {
+    let pixel = invoked_pixel(group, groups, local);
     if (any(pixel >= vec2u(frame.size)) || is_left_out(pixel)) { return; }
     start_samples(pixel, 0u);
     var lit: Shade;
@@ -33,11 +35,5 @@ fn light_pixel(pixel: vec2u) {
     textureStore(specular, pixel, stored(vec4f(lit.specular, 1.0)));
     if (REUSES_LIGHT) { textureStore(visible_lights, pixel, vec4u(lit.visible, 0u, 0u)); }
     if (exhausted_rays > 0u) { atomicAdd(&counters[EXHAUSTED_COUNTER], exhausted_rays); }
-}
-
-@compute @workgroup_size(GROUP_PX, GROUP_PX)
-fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_id) local: vec3u) {
-    let pixel = invoked_pixel(group, groups, local);
-    light_pixel(pixel);
     if (COUNT) { textureStore(counts, pixel, vec4u(0u, traversals, visited_nodes, tested_triangles)); }
 }

@@ -9,7 +9,9 @@
 @group(2) @binding(0) var ids: texture_storage_2d<rg32uint, write>;
 @group(2) @binding(1) var counts: texture_storage_2d<rgba32uint, write>; // with COUNT
 
-fn find(pixel: vec2u) {
+@compute @workgroup_size(GROUP_PX, GROUP_PX)
+fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_id) local: vec3u) {
+    let pixel = surface_pixel(invoked_place(group, groups, local));
     if (any(pixel >= vec2u(frame.size))) { return; }
     // The direction has a component of 1 along the view axis, so that t is linear view depth.
     let center = vec2f(pixel) + 0.5;
@@ -21,11 +23,5 @@ fn find(pixel: vec2u) {
     }
     textureStore(ids, pixel, vec4u(h.instance, select(h.triangle, NONE, h.instance == NONE), 0u, 0u));
     if (exhausted_rays > 0u) { atomicAdd(&counters[EXHAUSTED_COUNTER], exhausted_rays); }
-}
-
-@compute @workgroup_size(GROUP_PX, GROUP_PX)
-fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_id) local: vec3u) {
-    let pixel = surface_pixel(invoked_place(group, groups, local));
-    find(pixel);
     if (COUNT) { textureStore(counts, pixel, vec4u(0u, traversals, visited_nodes, tested_triangles)); }
 }

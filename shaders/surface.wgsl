@@ -1,10 +1,8 @@
 // Surface: resolves the G-buffer from the ids of the visibility pass and lists the reflective and the transmissive
 // pixels, tile by tile so that neighbors stay together.
 
-#import cause
 #import gbuffer_layout
 #import lists
-#import pack
 #import pixel_surface
 #import shade
 

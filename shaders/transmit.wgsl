@@ -1,6 +1,5 @@
 // Transmit: follows rays through the transmissive surfaces of the listed pixels, to the surfaces behind.
 
-#import in_scattering
 #import cone
 #import gbuffer
 #import indirect

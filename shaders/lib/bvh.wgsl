@@ -76,12 +76,8 @@ fn trace_solid(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, shadow: 
     // One call in a loop keeps the inlined code small: the traversal is long.
     for (var layer = 0u; layer <= MAX_LAYERS; layer++) {
         let hit = traverse(origin, direction, start_m, t_max, shadow);
-        if visits_left == 0u {
-            break;
-        }
-        if !HAS_CUTOUT || PASSES_CUTOUTS || !is_cut_out(hit) {
-            return hit;
-        }
+        if (visits_left == 0u) { break; }
+        if (!HAS_CUTOUT || PASSES_CUTOUTS || !is_cut_out(hit)) { return hit; }
         passed_cutout = vec2u(hit.instance, hit.triangle);
         // Coplanar surfaces are passed in the order of their ids, never going back.
         start_m = max(start_m, hit.t);
@@ -93,7 +89,7 @@ fn trace_solid(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, shadow: 
 fn is_cut_out(hit: Hit) -> bool {
     let is_passed_through = hit.instance != NO_INSTANCE && (hit.flags & ALPHA_TESTED) != 0u
         && !alpha_passes(hit.instance, hit.triangle, hit.bary);
-    if OF_CAMERA && is_passed_through { culled_t = min(culled_t, hit.t); }
+    if (OF_CAMERA && is_passed_through) { culled_t = min(culled_t, hit.t); }
     return is_passed_through;
 }
 
@@ -123,10 +119,10 @@ fn passed_flags(shadow: bool) -> u32 {
 // Whether a surface is outside the ray's interval, or behind the nearest one so far or beaten by it where both are
 // coplanar. Opaque surfaces block light whatever lies on them.
 fn is_hidden(t: f32, t_min: f32, id: vec2u, flags: u32, shadow: bool, best: Hit) -> bool {
-    if is_passed_by(t, id, t_min) { return true; }
-    if best.instance == NO_INSTANCE || !is_coplanar(t, best.t) { return t >= best.t; }
+    if (is_passed_by(t, id, t_min)) { return true; }
+    if (best.instance == NO_INSTANCE || !is_coplanar(t, best.t)) { return t >= best.t; }
     let is_tested = (flags & ALPHA_TESTED) != 0u;
-    if shadow && is_tested != ((best.flags & ALPHA_TESTED) != 0u) { return is_tested; }
+    if (shadow && is_tested != ((best.flags & ALPHA_TESTED) != 0u)) { return is_tested; }
     return !comes_after(vec2u(best.instance, best.triangle), id);
 }
 
@@ -153,20 +149,16 @@ fn test_triangle(index: u32, ray: TraversalRay, t_min: f32, inside: u32, inside_
     let is_inner = HAS_TOP_LEVEL && inside != NO_INSTANCE;
     let id = vec2u(select(a.w, inside, is_inner), b.w);
     let flags = select(c.w, inside_flags, is_inner);
-    if flat || !(outside <= 0.01) || is_hidden(t, t_min, id, flags, shadow, *best) {
-        return;
-    }
+    if (flat || !(outside <= 0.01) || is_hidden(t, t_min, id, flags, shadow, *best)) { return; }
     // Tolerance for the rounding error of the barycentric weights: neighbors overlap by it, so that no ray passes
     // between.
     let longest = max(dot(edge1, edge1), dot(edge2, edge2));
     let size = length(s) * length(ray.direction) * sqrt(longest);
-    if outside > 2.4e-7 * size * abs(inverse_det) {
-        return;
-    }
+    if (outside > 2.4e-7 * size * abs(inverse_det)) { return; }
     let front = (det > 0.0) != ((flags & FLIPPED) != 0u);
     let is_culled = !shadow && !front && (flags & DOUBLE_SIDED) == 0u;
-    if is_culled || is_passed(flags, passed_flags(shadow)) {
-        if OF_CAMERA && !is_passed(flags, UNREFLECTED) { culled_t = min(culled_t, t); }
+    if (is_culled || is_passed(flags, passed_flags(shadow))) {
+        if (OF_CAMERA && !is_passed(flags, UNREFLECTED)) { culled_t = min(culled_t, t); }
         return;
     }
     let positive = max(bary, vec2f(0.0));

@@ -1,7 +1,6 @@
 // Variant that traces reflection rays through the BVHs over their whole length.
 
 #import bvh
-#import cause
 
 // Number of steps in maps, of which there are none, and how a ray ended in them.
 const map_steps: u32 = 0u;

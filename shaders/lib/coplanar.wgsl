@@ -23,6 +23,6 @@ fn comes_after(id: vec2u, other: vec2u) -> bool {
 
 // Whether a surface lies where the ray's interval has not begun, or was passed there.
 fn is_passed_by(t: f32, id: vec2u, t_min: f32) -> bool {
-    if HAS_CUTOUT && passed_cutout.x != NONE && is_coplanar(t, t_min) { return !comes_after(id, passed_cutout); }
+    if (HAS_CUTOUT && passed_cutout.x != NONE && is_coplanar(t, t_min)) { return !comes_after(id, passed_cutout); }
     return t <= t_min;
 }

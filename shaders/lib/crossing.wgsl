@@ -1,6 +1,5 @@
 // Results of the march: where a ray crosses the surface of a pixel, and its hit.
 
-#import cause
 
 struct March {
     cause: u32,

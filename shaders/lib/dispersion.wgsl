@@ -1,7 +1,6 @@
 // Dispersion of solids (KHR_materials_dispersion): past the first dispersive solid a path carries one color channel,
 // and many sub-frames together hold all three.
 
-#import frame
 #import sampling
 
 override HAS_DISPERSION: bool = true;

@@ -1,9 +1,7 @@
 // Light of emissive surfaces, by samples of their triangles: chosen by light trees, then uniform in solid angle or
 // area.
 
-#import bvh
 #import area_sampling
-#import frame
 #import lamps
 #import light_tree
 #import sampling

@@ -214,6 +214,6 @@ fn air_before(pixel: vec2u, vertex: u32, origin: vec3f, direction: vec3f, distan
     var light = vec3f(0.0);
     for (var k = 0u; k < sampling.rays; k++) { light += scattered_on_way(way, first_light_sample() + k, 1.0); }
     light /= f32(sampling.rays);
-    if (FOLLOWS_FOG) { light += followed(pixel, vertex + 1u, 1u, scattered_start(way), pixel_cone(0.0)); }
+    if (FOLLOWS_FOG) { light += gathered_by_path(pixel, vertex + 1u, 1u, scattered_start(way), pixel_cone(0.0), false).xyz; }
     return vec4f(light, 1.0 - way.scattered);
 }

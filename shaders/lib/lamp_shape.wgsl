@@ -1,7 +1,6 @@
 // Lamps with a size: a sampled point of a ball or of a flat lamp, and the point at which a ray meets it.
 
 #import frame
-#import sampling
 
 // A sampled point of a light: its arriving radiance over the density of choosing it.
 struct LightSample {

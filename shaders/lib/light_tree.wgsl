@@ -163,39 +163,39 @@ fn chosen_light(u: vec2f, by_power: bool, surface: LitPoint) -> LightChoice {
     return LightChoice(instance, at.link & ~LIGHT_LEAF, at.chances, to.sides);
 }
 
-// Probabilities with which `chosen_light` chooses a triangle of an instance that emits light, by importance and by
-// power.
-fn light_chances(instance: u32, triangle: u32, surface: LitPoint) -> vec2f {
-    let light = light_word(0u, instance);
-    let record = light_words(sampling.light_tree.lights + light * LIGHT_VECTORS);
-    var node = light_word(sampling.light_tree.places, record.y + triangle);
-    if (node == UNLIT_ITEM || record.z == UNLIT_ITEM) { return vec2f(0.0); }
-    var to = in_tree(light, surface);
+// Probabilities of the way down to a node of a mesh's tree, as `to`, and to the node above it of the scene's, as `surface`,
+// by importance and by power. NONE: the way ends above.
+fn chances_of_way(item: u32, to: LitPoint, above: u32, surface: LitPoint) -> vec2f {
+    var node = item;
+    var seen_as = to;
     var chances = vec2f(1.0);
     var is_above = false;
     for (var k = 0u; k < MOST_LINKS; k++) {
         if (node == NONE) {
             if (is_above) { break; }
             is_above = true;
-            node = record.z;
-            to = surface;
+            node = above;
+            seen_as = surface;
             continue;
         }
-        let pair = seen_pair(node & ~1u, to);
+        let pair = seen_pair(node & ~1u, seen_as);
         chances *= parts(pair.shares, (node & 1u) == 1u);
         node = pair.parent;
     }
     return chances;
 }
 
+// Probabilities with which `chosen_light` chooses a triangle of an instance that emits light, by importance and by
+// power.
+fn light_chances(instance: u32, triangle: u32, surface: LitPoint) -> vec2f {
+    let light = light_word(0u, instance);
+    let record = light_words(sampling.light_tree.lights + light * LIGHT_VECTORS);
+    let node = light_word(sampling.light_tree.places, record.y + triangle);
+    if (node == UNLIT_ITEM || record.z == UNLIT_ITEM) { return vec2f(0.0); }
+    return chances_of_way(node, in_tree(light, surface), record.z, surface);
+}
+
 // Probabilities with which `chosen_light` chooses a lamp, by importance and by power.
 fn lamp_chances(item: u32, surface: LitPoint) -> vec2f {
-    var node = light_words(sampling.light_tree.lights + item * LIGHT_VECTORS).z;
-    var chances = vec2f(1.0);
-    for (var k = 0u; k < MOST_LINKS && node != NONE; k++) {
-        let pair = seen_pair(node & ~1u, surface);
-        chances *= parts(pair.shares, (node & 1u) == 1u);
-        node = pair.parent;
-    }
-    return chances;
+    return chances_of_way(NONE, surface, light_words(sampling.light_tree.lights + item * LIGHT_VECTORS).z, surface);
 }

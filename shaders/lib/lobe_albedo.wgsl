@@ -1,7 +1,6 @@
 // Albedo of rough lobes under uniform light, and the mean direction that it comes from: integrals by view angle and
 // roughness, tabulated in src/render/lighting/lobe_table.rs.
 
-#import frame
 #import grooves
 
 // x: albedo of a reflectance of 1; y: its part that is weighted by (1 - V·H)^5; zw: mean direction, along the normal

@@ -1,7 +1,6 @@
 // Common parts of the marches of reflection rays through maps.
 
 #import bvh
-#import cause
 #import id_intersection
 
 // Number of halvings of a step in which the ray goes behind a surface.

@@ -1,5 +1,6 @@
 // Mirror rays of pixels through the BVHs, bounce by bounce.
 
+#import cause
 #import gbuffer
 #import mirrored
 #import lists

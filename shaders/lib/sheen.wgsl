@@ -2,7 +2,6 @@
 // Kulla 2017, "Production Friendly Microfacet Sheen BRDF". Light samples and scattered rays of the diffuse part
 // serve the sheen too, since its lobe is as wide.
 
-#import frame
 #import lobe_albedo
 
 // Table like lobe_table, for a sheen of color 1, tabulated in src/render/lighting/sheen_table.rs; y: factor on the

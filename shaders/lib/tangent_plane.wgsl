@@ -1,7 +1,6 @@
 // Height of visible surfaces over the tangent plane of a reflector.
 
 #import frame
-#import surface
 
 // Height of the surface of a pixel over the reflector's tangent plane, affine in the pixel and in clip-space z: a point
 // on or below that plane is never in front of the ray, for camera and ray are both above it, and so is every point

@@ -1,6 +1,5 @@
 // Light that passes through a surface.
 
-#import dispersion
 #import lobe
 
 // Share of light that a facet of a transmissive surface lets pass.

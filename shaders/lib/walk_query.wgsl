@@ -23,26 +23,24 @@ fn test_candidate(candidate: RayIntersection, world_ray: TraversalRay, t_min: f3
         best: ptr<function, Hit>) -> bool {
     let is_static = HAS_STATIC && (!HAS_TOP_LEVEL || candidate.instance_custom_data == STATIC_STRUCTURE);
     let before = *best;
-    if COUNT {
-        tested_triangles++;
-    }
-    if is_static {
+    if (COUNT) { tested_triangles++; }
+    if (is_static) {
         test_triangle(candidate.primitive_index, world_ray, t_min, NO_INSTANCE, 0u, shadow, best);
     } else {
         let inside = candidate.instance_custom_data;
         let flags = instance_trace_flags(inside);
         let index = instance_tree_root(inside) + candidate.primitive_index;
         let ray = object_ray(inside, world_ray.origin, world_ray.direction);
-        if HAS_CAPSULES && (flags & CAPSULES) != 0u {
+        if (HAS_CAPSULES && (flags & CAPSULES) != 0u) {
             test_capsule(index, ray, t_min, inside, flags, shadow, best);
         } else {
             test_triangle(index, ray, t_min, inside, flags, shadow, best);
         }
     }
-    if (*best).instance == before.instance && (*best).triangle == before.triangle && (*best).t == before.t {
+    if ((*best).instance == before.instance && (*best).triangle == before.triangle && (*best).t == before.t) {
         return false;
     }
-    if HAS_CUTOUT && is_cut_out(*best) {
+    if (HAS_CUTOUT && is_cut_out(*best)) {
         *best = before;
         return false;
     }
@@ -53,9 +51,7 @@ fn test_candidate(candidate: RayIntersection, world_ray: TraversalRay, t_min: f3
 // each; a second looks at all surfaces within the rounding of that distance, which the first may have left out, so that
 // among coplanar ones the same is met as in our trees.
 fn traverse(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, shadow: bool) -> Hit {
-    if COUNT {
-        traversals++;
-    }
+    if (COUNT) { traversals++; }
     let ray = traversal_ray(origin, direction);
     let mask = query_mask(shadow);
     let first = t_min * (1.0 - QUERY_SLACK);
@@ -66,19 +62,13 @@ fn traverse(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, shadow: boo
     for (var round = 0u; round < 2u; round++) {
         rayQueryInitialize(&query, structures,
             RayDesc(RAY_FLAG_FORCE_NO_OPAQUE, mask, start, end, origin, direction));
-        while visits_left > 0u && rayQueryProceed(&query) {
+        while (visits_left > 0u && rayQueryProceed(&query)) {
             visits_left--;
             let candidate = rayQueryGetCandidateIntersection(&query);
-            if !test_candidate(candidate, ray, t_min, shadow, &best) {
-                continue;
-            }
-            if shadow && is_blocked(best) {
-                return best;
-            }
-            if round > 0u {
-                continue;
-            }
-            if HAS_CAPSULES && candidate.kind == RAY_QUERY_INTERSECTION_AABB {
+            if (!test_candidate(candidate, ray, t_min, shadow, &best)) { continue; }
+            if (shadow && is_blocked(best)) { return best; }
+            if (round > 0u) { continue; }
+            if (HAS_CAPSULES && candidate.kind == RAY_QUERY_INTERSECTION_AABB) {
                 // naga 30 reads no expression that only this call has.
                 let t = best.t;
                 rayQueryGenerateIntersection(&query, t);
@@ -86,9 +76,7 @@ fn traverse(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, shadow: boo
                 rayQueryConfirmIntersection(&query);
             }
         }
-        if best.instance == NO_INSTANCE || visits_left == 0u {
-            break;
-        }
+        if (best.instance == NO_INSTANCE || visits_left == 0u) { break; }
         start = max(first, best.t * (1.0 - QUERY_SLACK));
         end = best.t * (1.0 + QUERY_SLACK);
     }

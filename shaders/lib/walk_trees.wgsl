@@ -37,18 +37,10 @@ fn hit_children(grid: GridRay, near_planes: vec3u, far_planes: vec3u, slots: u32
     let index4 = (slots ^ (octant4 & (inner4 * 0xffu))) & 0x1f1f1f1fu;
     let bits4 = (slots >> 5u) & 0x07070707u;
     var hits = 0u;
-    if child_hit(grid, near_planes, far_planes, 0u) {
-        hits |= (bits4 & 0xffu) << (index4 & 31u);
-    }
-    if child_hit(grid, near_planes, far_planes, 8u) {
-        hits |= ((bits4 >> 8u) & 0xffu) << ((index4 >> 8u) & 31u);
-    }
-    if child_hit(grid, near_planes, far_planes, 16u) {
-        hits |= ((bits4 >> 16u) & 0xffu) << ((index4 >> 16u) & 31u);
-    }
-    if child_hit(grid, near_planes, far_planes, 24u) {
-        hits |= (bits4 >> 24u) << ((index4 >> 24u) & 31u);
-    }
+    if (child_hit(grid, near_planes, far_planes, 0u)) { hits |= (bits4 & 0xffu) << (index4 & 31u); }
+    if (child_hit(grid, near_planes, far_planes, 8u)) { hits |= ((bits4 >> 8u) & 0xffu) << ((index4 >> 8u) & 31u); }
+    if (child_hit(grid, near_planes, far_planes, 16u)) { hits |= ((bits4 >> 16u) & 0xffu) << ((index4 >> 16u) & 31u); }
+    if (child_hit(grid, near_planes, far_planes, 24u)) { hits |= (bits4 >> 24u) << ((index4 >> 24u) & 31u); }
     return hits;
 }
 
@@ -102,7 +94,7 @@ fn descend(cursor: ptr<function, Cursor>, ray: TraversalRay, t_min: f32, t_max: 
     let slot = ((bit - 24u) ^ ray.octant4) & 7u;
     let node = group.x + countOneBits(group.y & ~(0xffffffffu << slot) & 0xffu);
     group.y &= ~(1u << bit);
-    if group.y >= 0x01000000u && (*cursor).depth < STACK_SIZE {
+    if (group.y >= 0x01000000u && (*cursor).depth < STACK_SIZE) {
         stack[(*cursor).depth] = group;
         (*cursor).depth++;
     }
@@ -110,9 +102,7 @@ fn descend(cursor: ptr<function, Cursor>, ray: TraversalRay, t_min: f32, t_max: 
     visits_left--;
     (*cursor).group = visit.children;
     (*cursor).primitives = visit.primitives;
-    if COUNT {
-        visited_nodes++;
-    }
+    if (COUNT) { visited_nodes++; }
 }
 
 // Takes the next primitive of the last visited node.
@@ -126,26 +116,20 @@ fn next_primitive(cursor: ptr<function, Cursor>) -> u32 {
 fn traverse_tree(root: u32, ray: TraversalRay, t_min: f32, inside: u32, inside_flags: u32,
         shadow: bool, base: u32, best: ptr<function, Hit>) {
     var cursor = Cursor(vec2u(root, ROOT_GROUP), vec2u(0u), base);
-    while visits_left > 0u {
+    while (visits_left > 0u) {
         descend(&cursor, ray, t_min, (*best).t);
-        while cursor.primitives.y != 0u {
+        while (cursor.primitives.y != 0u) {
             let primitive = next_primitive(&cursor);
-            if HAS_CAPSULES && (inside_flags & CAPSULES) != 0u {
+            if (HAS_CAPSULES && (inside_flags & CAPSULES) != 0u) {
                 test_capsule(primitive, ray, t_min, inside, inside_flags, shadow, best);
             } else {
                 test_triangle(primitive, ray, t_min, inside, inside_flags, shadow, best);
             }
-            if COUNT {
-                tested_triangles++;
-            }
+            if (COUNT) { tested_triangles++; }
         }
-        if shadow && is_blocked(*best) {
-            return;
-        }
-        if cursor.group.y < 0x01000000u {
-            if cursor.depth == base {
-                return;
-            }
+        if (shadow && is_blocked(*best)) { return; }
+        if (cursor.group.y < 0x01000000u) {
+            if (cursor.depth == base) { return; }
             cursor.depth--;
             cursor.group = stack[cursor.depth];
         }
@@ -154,15 +138,13 @@ fn traverse_tree(root: u32, ray: TraversalRay, t_min: f32, inside: u32, inside_f
 
 // The next instance whose box is hit, or NO_INSTANCE if there are no more.
 fn next_instance(cursor: ptr<function, Cursor>, ray: TraversalRay, t_min: f32, t_max: f32) -> u32 {
-    while visits_left > 0u {
-        if (*cursor).primitives.y != 0u {
+    while (visits_left > 0u) {
+        if ((*cursor).primitives.y != 0u) {
             let word = next_primitive(cursor) & ~TOP_LEVEL;
             return node_words(word >> 2u)[word & 3u];
         }
-        if (*cursor).group.y < 0x01000000u {
-            if (*cursor).depth == 0u {
-                break;
-            }
+        if ((*cursor).group.y < 0x01000000u) {
+            if ((*cursor).depth == 0u) { break; }
             (*cursor).depth--;
             (*cursor).group = stack[(*cursor).depth];
         }
@@ -174,9 +156,7 @@ fn next_instance(cursor: ptr<function, Cursor>, ray: TraversalRay, t_min: f32, t
 // The nearest hit, or for shadow rays any opaque one; cut-outs count as solid here. The static tree is
 // traversed first, as if it were an instance at the origin, then the instances of the top level.
 fn traverse(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, shadow: bool) -> Hit {
-    if COUNT {
-        traversals++;
-    }
+    if (COUNT) { traversals++; }
     var best = Hit(t_max, NO_INSTANCE, 0u, vec2f(0.0), 0u);
     let enter = select(REFLECTED_ROOT, TOP_ROOT, shadow || OF_CAMERA);
     var top = Cursor(vec2u(enter, ROOT_GROUP), vec2u(0u), 0u);
@@ -186,17 +166,11 @@ fn traverse(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, shadow: boo
     var inside = NO_INSTANCE;
     var inside_flags = 0u;
     var in_tree = HAS_STATIC;
-    while visits_left > 0u {
-        if in_tree {
-            traverse_tree(root, ray, t_min, inside, inside_flags, shadow, top.depth, &best);
-        }
-        if !HAS_TOP_LEVEL || (shadow && is_blocked(best)) {
-            break;
-        }
+    while (visits_left > 0u) {
+        if (in_tree) { traverse_tree(root, ray, t_min, inside, inside_flags, shadow, top.depth, &best); }
+        if (!HAS_TOP_LEVEL || (shadow && is_blocked(best))) { break; }
         inside = next_instance(&top, world_ray, t_min, best.t);
-        if inside == NO_INSTANCE {
-            break;
-        }
+        if (inside == NO_INSTANCE) { break; }
         inside_flags = instance_trace_flags(inside);
         root = instance_tree_root(inside);
         ray = object_ray(inside, origin, direction);

@@ -46,19 +46,14 @@ fn seen_from(probe: vec3f, towards: vec3f, seed: vec2u) -> Seen {
         throughput *= medium_transmittance(h.t);
         // Light that the look-up adds, if what is met is no further pane.
         let is_kept_apart = is_clear && (bounce == 0u || is_same_direction(direction, towards));
-        if (h.instance == NONE) {
+        // The first ray passes lamps.
+        let end = seen_at_end(origin, ray, h.instance, h.t);
+        if (h.instance == NONE || (bounce > 0u && end.is_seen)) {
             if (is_kept_apart) { seen.light.w = 0.0; }
-            if (!is_kept_apart) { color += found_light(throughput * beyond(origin, ray), bounce); }
+            if (!is_kept_apart) { color += found_light(throughput * end.radiance, bounce); }
             break;
         }
-        if (bounce > 0u) {
-            let light = seen_light(origin, ray, h.t);
-            if (light.is_seen) {
-                if (is_kept_apart) { seen.light.w = 0.0; }
-                if (!is_kept_apart) { color += found_light(throughput * light.radiance, bounce); }
-                break;
-            }
-        } else {
+        if (bounce == 0u) {
             seen.light.w = 1.0;
             seen.hit = vec4u(bitcast<u32>(h.t), h.instance, h.triangle, pack2x16unorm(h.bary));
         }

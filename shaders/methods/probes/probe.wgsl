@@ -1,7 +1,5 @@
 // Probe: looks the reflections of the listed pixels up in the cube maps of probes, in place of the trace pass.
 
-#import cause
-#import cone
 #import gbuffer
 #import lists
 #import probe_lookup
@@ -38,14 +36,6 @@ fn aim(s: Surface, ray: Reflected) -> Aim {
     return Aim(mirror_direction(view, only.layer), only.layer.roughness * f32(params.levels - 1u));
 }
 
-// Light of a surface that is sampled as a light, which the maps lack, as far as the surface before keeps it.
-fn lamp_light(found: vec4u, ray: Reflected, width_m: f32) -> vec3f {
-    if (!HAS_EMITTERS || found.y == NONE) { return vec3f(0.0); }
-    if ((instance_flags(found.y) & FLAG_EMITTER) == 0u) { return vec3f(0.0); }
-    let s = surface_at(found.y, found.z, unpack2x16unorm(found.w), ray.direction, width_m);
-    return s.emission * met_emission(ray, found.y, found.z, bitcast<f32>(found.x), s) * ray.kept;
-}
-
 // Hit that a probe shows in a direction from a point.
 fn shown_hit(probe: u32, origin: vec3f, direction: vec3f) -> vec4u {
     let towards = direction_from(probe, origin, direction);
@@ -72,7 +62,7 @@ fn shown_by(probe: u32, origin: vec3f, ray: Reflected, to: Aim, width_m: f32) ->
     // Lamps are met by the ray of one facet, as light samples expect; the rest is averaged over the lobe.
     var own = found;
     if (any(to.direction != ray.direction)) { own = shown_hit(probe, origin, ray.direction); }
-    let light = stored.xyz * (EMISSION_SCALE * ray.kept) + sky + lamp_light(own, ray, width_m)
+    let light = stored.xyz * (EMISSION_SCALE * ray.kept) + sky + lamp_light(own.yz, unpack2x16unorm(own.w), bitcast<f32>(own.x), ray, width_m)
         + light_through_panes(probe, origin, ray, width_m, 1.0 - stored.w);
     return Shown(light, found, select(bitcast<f32>(own.x), 2.0 * FAR_M, own.y == NONE));
 }

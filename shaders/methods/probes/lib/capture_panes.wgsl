@@ -1,10 +1,8 @@
 // Hits behind clear panes, for light samples find lamps and the environment there too: the maps' radiance lacks that
 // light, and the look-up adds it by the reflection's own ray.
 
-#import cone
 #import indirect
 #import pane_share
-#import shade
 
 @group(2) @binding(3) var captured_panes: texture_storage_2d_array<rgba32uint, write>; // distance, instance, triangle, share
 

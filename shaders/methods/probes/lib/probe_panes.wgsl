@@ -3,9 +3,16 @@
 #import id_intersection
 #import pane_share
 #import probe_lookup
-#import shade
 
 @group(2) @binding(26) var pane_hits: texture_2d_array<u32>; // distance, instance, triangle, share that panes let pass
+
+// Light of a surface that is sampled as a light, which the maps lack, as far as the surface before keeps it. `id`: instance
+// and triangle.
+fn lamp_light(id: vec2u, place: vec2f, distance_m: f32, ray: Reflected, width_m: f32) -> vec3f {
+    if (!HAS_EMITTERS || id.x == NONE || (instance_flags(id.x) & FLAG_EMITTER) == 0u) { return vec3f(0.0); }
+    let s = surface_at(id.x, id.y, place, ray.direction, width_m);
+    return s.emission * met_emission(ray, id.x, id.y, distance_m, s) * ray.kept;
+}
 
 // Light that a reflection's own ray finds behind panes and light samples find too, as far as the surface before keeps
 // it. `uncovered`: share of the environment that no surface but panes covers.
@@ -22,11 +29,9 @@ fn light_through_panes(probe: u32, origin: vec3f, ray: Reflected, width_m: f32, 
     let lamp = seen_light(origin, ray, reach_m);
     if (lamp.is_seen) { return share * lamp.radiance; }
     if (behind.y == NONE) { return share * environment(ray.direction) * (ray.sky_weight * uncovered); }
-    if (!HAS_EMITTERS || (instance_flags(behind.y) & FLAG_EMITTER) == 0u) { return vec3f(0.0); }
     var place = meet_named(behind.yz, eye, towards).yz;
     if (!is_capsule(behind.y)) { place = clamped(place); }
-    let s = surface_at(behind.y, behind.z, place, ray.direction, width_m);
-    return share * s.emission * met_emission(ray, behind.y, behind.z, reach_m, s) * ray.kept;
+    return share * lamp_light(behind.yz, place, reach_m, ray, width_m);
 }
 
 // Whether a probe shows panes in a direction from a point, and the environment behind them.

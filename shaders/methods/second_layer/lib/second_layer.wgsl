@@ -5,13 +5,11 @@
 // A ray that went behind the first layer is free while it is farther behind it than the separation, within which
 // nothing is stored, and in front of the second.
 
-#import bvh
 #import crossing
 #import gbuffer
 #import lists
 #import id_intersection
 #import pixel_walk
-#import shown
 #import tangent_plane
 
 @group(2) @binding(11) var second_depth: texture_depth_2d; // clip-space z; 0: none
