@@ -1,5 +1,4 @@
-// Details: values beyond the G-buffer's (specular color, sheen, grooves, coats, diffuse roughness) of the surfaces that pixels show, for which the
-// G-buffer has no bits; layer 0 is a copy of the G-buffer's colors.
+// Details: values of the surfaces that pixels show, for which the G-buffer has no bits; layer 0 is a copy of its colors.
 
 #import details_layout
 #import pixel_surface
@@ -18,4 +17,5 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     textureStore(details, pixel, 0, textureLoad(colors, pixel, 0));
     textureStore(details, pixel, 1, pack_details(s));
     if (HAS_FURTHER_DETAILS) { textureStore(details, pixel, 2, pack_further_details(s)); }
+    if (HAS_DIFFUSE_TRANSMISSION) { textureStore(details, pixel, 3, bitcast<vec4u>(vec4f(s.diffuse_transmission_color, s.diffuse_transmission))); }
 }

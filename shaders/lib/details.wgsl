@@ -17,5 +17,10 @@ fn detailed(s: Surface, pixel: vec2u) -> Surface {
     if (!HAS_DETAILS) { return s; }
     var whole = with_details(s, textureLoad(details, pixel, 1, 0));
     if (!HAS_FURTHER_DETAILS) { return whole; }
-    return with_further_details(whole, textureLoad(details, pixel, 2, 0));
+    whole = with_further_details(whole, textureLoad(details, pixel, 2, 0));
+    if (!HAS_DIFFUSE_TRANSMISSION) { return whole; }
+    let passed = bitcast<vec4f>(textureLoad(details, pixel, 3, 0));
+    whole.diffuse_transmission_color = passed.xyz;
+    whole.diffuse_transmission = passed.w;
+    return whole;
 }

@@ -10,6 +10,10 @@ fn has_rough_diffuse(s: Surface) -> bool {
     return HAS_ROUGH_DIFFUSE && s.diffuse_roughness > 0.0;
 }
 
+fn passes_diffusely(s: Surface) -> bool {
+    return HAS_DIFFUSE_TRANSMISSION && s.diffuse_transmission > 0.0;
+}
+
 // Share of light that single scattering of a white surface returns at a cosine: the paper's fit.
 fn fujii_albedo(roughness: f32, cosine: f32) -> f32 {
     let x = 1.0 - saturate(cosine);

@@ -64,18 +64,42 @@ fn scattered_albedo(s: Surface, view: vec3f) -> vec3f {
 }
 
 fn continues(s: Surface) -> bool {
-    return goes_on(s) || (HAS_INDIRECT && path_scatterings < frame.diffuse_bounces && (has_sheen(s) || (s.metallic < 1.0 && any(s.base_color > vec3f(0.0)))));
+    return goes_on(s) || (HAS_INDIRECT && path_scatterings < frame.diffuse_bounces && (has_sheen(s) || passes_diffusely(s) || (s.metallic < 1.0 && any(s.base_color > vec3f(0.0)))));
 }
 
-// A cosine-distributed scattered ray. The environment's light is left to light samples.
+// Albedo of the light that a surface scatters from its other side to the side of the view; as above.
+fn scattered_through(s: Surface, view: vec3f) -> vec3f {
+    if (!passes_diffusely(s) || path_scatterings >= frame.diffuse_bounces) { return vec3f(0.0); }
+    return passed_albedo(s, view) * scattered_share(s, view);
+}
+
+// A cosine-distributed scattered ray, on either side of the surface by the light that comes from there. The
+// environment's light is left to light samples.
 fn scattered_ray(s: Surface, view: vec3f, albedo: vec3f) -> Reflected {
+    var u = sample_square(sample_index(), SCATTER_PAIR);
+    var part = s;
+    var color = albedo;
+    var share = 1.0; // probability of the side
+    if (HAS_DIFFUSE_TRANSMISSION) {
+        let through = scattered_through(s, view);
+        let here = luminance(albedo) + luminance(sheen_albedo(s, view));
+        share = here / max(here + luminance(through), 1e-6);
+        let is_here = u.x < share;
+        u.x = select(u.x - share, u.x, is_here);
+        if (!is_here) {
+            part = other_side(s, view);
+            color = through;
+            share = 1.0 - share;
+        }
+        u.x = min(u.x / max(share, 1e-6), BELOW_ONE);
+    }
     path_scatterings++;
     path_is_chance = true;
     leave_vertex(s.position);
-    let out = cosine_direction(s.normal, sample_square(sample_index(), SCATTER_PAIR));
-    if (dot(out, s.geometric_normal) <= 0.0) { return Reflected(s.normal, vec3f(0.0), TAKEN, 0.0, 1.0, s.normal); }
-    let weight = diffuse_towards(s, albedo, view, out) + sheen(s, view, out) * scattered_share(s, view);
-    return Reflected(out, weight, scattered_density(dot(s.normal, out)), 0.0, 1.0, s.normal);
+    let out = cosine_direction(part.normal, u);
+    if (dot(out, part.geometric_normal) <= 0.0) { return Reflected(part.normal, vec3f(0.0), TAKEN, 0.0, 1.0, part.normal); }
+    let weight = (diffuse_towards(part, color, view, out) + sheen(part, view, out) * scattered_share(s, view)) / share;
+    return Reflected(out, weight, scattered_density(dot(part.normal, out)), 0.0, 1.0, part.normal);
 }
 
 // Next ray of a path by the light that each returns: scattered or, unless `scattered_alone`, mirrored or transmitted.
@@ -83,7 +107,7 @@ fn next_ray(before: Reflected, s: Surface, scattered_alone: bool) -> Reflected {
     if (!HAS_INDIRECT) { return onward(before, s); }
     let view = -before.direction;
     let albedo = scattered_albedo(s, view);
-    var diffuse = luminance(albedo);
+    var diffuse = luminance(albedo + scattered_through(s, view));
     if (has_sheen(s) && path_scatterings < frame.diffuse_bounces) {
         diffuse += luminance(sheen_albedo(s, view)) * scattered_share(s, view);
     }
@@ -197,18 +221,12 @@ fn gathered_by_path(pixel: vec2u, vertex: u32, hits: u32, start: Start, first: C
     return vec4f(color, 1.0);
 }
 
-// Indirect light that a path gathers; as above.
-fn followed(pixel: vec2u, vertex: u32, hits: u32, start: Start, first: Cone) -> vec3f {
-    if (!HAS_INDIRECT) { return vec3f(0.0); }
-    return gathered_by_path(pixel, vertex, hits, start, first, false).xyz;
-}
-
 // Start of the path by which a surface scatters indirect diffuse light along the ray before; without weight where it
 // scatters none.
 fn scattered_by_surface(before: Reflected, s: Surface) -> Start {
     let view = -before.direction;
     let albedo = scattered_albedo(s, view);
-    let is_matte = any(albedo > vec3f(0.0)) || has_sheen(s);
+    let is_matte = any(albedo > vec3f(0.0)) || has_sheen(s) || passes_diffusely(s);
     var ray = Reflected(s.normal, vec3f(0.0), TAKEN, 0.0, 1.0, s.normal);
     if (is_matte && path_scatterings < frame.diffuse_bounces) { ray = scattered_ray(s, view, albedo); }
     ray.weight *= before.kept;

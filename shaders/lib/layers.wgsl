@@ -7,7 +7,6 @@
 #import bvh
 #import dispersion
 #import frame
-#import lobe
 #import sampling
 #import transmitted
 
@@ -174,6 +173,17 @@ fn coat_of(s: Surface) -> Surface {
     return coat;
 }
 
+// The other side of a surface, alone, with the diffuse light that it passes to the side of the view.
+fn other_side(s: Surface, view: vec3f) -> Surface {
+    var other = outer_side(coat_of(s));
+    other.normal = -s.normal;
+    other.base_color = passed_albedo(s, view);
+    other.reflectivity = 0.0;
+    other.reflection = REFLECTION_NONE;
+    other.diffuse_transmission = 0.0;
+    return other;
+}
+
 fn below_coat(s: Surface) -> Surface {
     var below = s;
     below.clearcoat = 0.0;
@@ -187,30 +197,34 @@ fn coat_transmittance(s: Surface, cosine: f32) -> f32 {
 }
 
 fn shade(s: Surface, view: vec3f, reused: vec2u) -> Shade {
-    if (!HAS_LAYERS) { return shade_layer(s, view, reused); }
+    if (!HAS_LAYERS && !HAS_DIFFUSE_TRANSMISSION) { return shade_layer(s, view, reused); }
     var out: Shade;
     // From within a solid, light is seen by the ray that continues, refracted or mirrored, and by light samples beyond.
     let is_aimed = is_aimed_through(s);
     if (mirrors_inside(s) && (!is_aimed || first_way == BACK)) { return out; }
     let has_coat = HAS_COATS && s.clearcoat > 0.0 && !is_aimed;
+    let passes = passes_diffusely(s) && !is_aimed;
     let within = media;
     if (is_aimed) { media = media_beyond(media, s); }
     shadow_is_aimed = is_aimed;
     // One call in a loop keeps the inlined code small: light shading is long.
-    for (var layer = 0u; layer <= u32(has_coat); layer++) {
+    for (var layer = 0u; layer <= select(u32(has_coat), 2u, passes); layer++) {
         var part = below_coat(s);
         if (is_aimed) { part = outer_side(dispersed(s)); }
         var share = 1.0;
         if (layer == 1u) {
+            if (!has_coat) { continue; }
             part = coat_of(s);
             share = s.clearcoat;
         } else if (has_coat) {
             share = coat_transmittance(s, dot(coat_normal(s), view));
         }
-        let lit = shade_layer(part, view, reused | out.visible);
+        let is_other = HAS_DIFFUSE_TRANSMISSION && layer == 2u;
+        if (is_other) { part = other_side(s, view); }
+        let lit = shade_layer(part, select(view, -view, is_other), select(reused | out.visible, vec2u(0u), is_other));
         out.diffuse += lit.diffuse * share;
         out.specular += lit.specular * share;
-        out.visible |= lit.visible;
+        out.visible |= select(lit.visible, vec2u(0u), is_other);
     }
     media = within;
     shadow_is_aimed = false;
@@ -383,7 +397,7 @@ fn onward(before: Reflected, met: Surface) -> Reflected {
 }
 
 fn onward_origin(s: Surface, direction: vec3f) -> vec3f {
-    if (!HAS_LAYERS) { return ray_origin(s.position, s.geometric_normal); }
+    if (!HAS_LAYERS && !HAS_DIFFUSE_TRANSMISSION) { return ray_origin(s.position, s.geometric_normal); }
     return ray_origin(s.position, s.geometric_normal * select(1.0, -1.0, dot(direction, s.geometric_normal) < 0.0));
 }
 

@@ -45,6 +45,8 @@ struct Surface {
     sheen_color: vec3f,
     sheen_roughness: f32,
     diffuse_roughness: f32, // with HAS_ROUGH_DIFFUSE
+    diffuse_transmission: f32, // with HAS_DIFFUSE_TRANSMISSION: share of the diffuse light that passes to the other side
+    diffuse_transmission_color: vec3f,
 }
 
 // Whether some surface is transmissive or has a clear coat.
@@ -57,6 +59,9 @@ override HAS_SHEEN: bool = true;
 
 // Whether some diffuse reflection is rough.
 override HAS_ROUGH_DIFFUSE: bool = true;
+
+// Whether some surface scatters diffuse light to its other side.
+override HAS_DIFFUSE_TRANSMISSION: bool = true;
 
 // Whether some opaque material has an index of refraction.
 override HAS_INDICES: bool = true;

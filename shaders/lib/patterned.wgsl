@@ -1,5 +1,6 @@
 // Numbers and colors of materials that follow patterns.
 
+#import basis
 #import pack
 #import pattern
 #import patterned_keys
@@ -50,13 +51,43 @@ fn patterned_value(used: Patterned, at: PatternedPoint) -> vec3f {
     return mix(used.first, used.second, pattern(kind, p, turned_to_x(at.normal, axis), at.width / used.size_m));
 }
 
-fn patterned_alpha(m: u32, plain: f32, at: PatternedPoint) -> f32 {
+// Pattern that a value of a material follows; of size 0 where it follows none.
+fn pattern_of(m: u32, which: u32) -> Patterned {
     for (var k = 0u; k < MOST_PATTERNED; k++) {
         let used = material_patterned(m, k);
-        if (used.size_m <= 0.0) { break; }
-        if (used.bits >> PATTERNED_SHIFT == ALPHA_VARIES) { return patterned_value(used, at).x; }
+        if (used.size_m <= 0.0 || used.bits >> PATTERNED_SHIFT == which) { return used; }
     }
-    return plain;
+    return Patterned();
+}
+
+fn patterned_alpha(m: u32, plain: f32, at: PatternedPoint) -> f32 {
+    let used = pattern_of(m, ALPHA_VARIES);
+    if (used.size_m <= 0.0) { return plain; }
+    return patterned_value(used, at).x;
+}
+
+// Whether some surface has a relief.
+override HAS_BUMPS: bool = true;
+// Least distance of the points whose heights give a slope, over the size of the pattern.
+const LEAST_STEP: f32 = 0.002;
+
+// Normal of a surface with its relief, in object space (Blinn 1978, "Simulation of Wrinkled Surfaces"), by differences
+// of heights over the width of a pixel.
+fn bumped(m: u32, normal: vec3f, at: PatternedPoint) -> vec3f {
+    let used = pattern_of(m, BUMP_VARIES);
+    if (used.size_m <= 0.0) { return normal; }
+    let n = normalize(normal);
+    let axes = basis(n);
+    let step = max(at.width, LEAST_STEP * used.size_m);
+    var slope = vec3f(0.0);
+    // One call in a loop keeps the inlined code small.
+    for (var k = 0u; k < 4u; k++) {
+        let way = select(axes[0], axes[1], k >= 2u) * select(-1.0, 1.0, (k & 1u) == 1u);
+        var beside = at;
+        beside.position += way * (0.5 * step);
+        slope += way * (patterned_value(used, beside).x / step);
+    }
+    return n - slope;
 }
 
 // The surface with the values of its material that follow patterns, apart from its alpha.

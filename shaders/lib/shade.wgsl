@@ -93,14 +93,27 @@ fn goes_on(s: Surface) -> bool {
     return is_reflector(s) || is_transmissive(s);
 }
 
+// Share of light that a diffuse scatterer of this color below the specular lobe of a surface returns.
+fn below_lobe(s: Surface, view: vec3f, color: vec3f) -> vec3f {
+    return color * (1.0 - s.metallic) * unreflected(s, view) * reflected_share(s) * base_share(s, view);
+}
+
 // Share of light that the surface scatters diffusely, below its specular lobe.
 fn diffuse_albedo(s: Surface, view: vec3f) -> vec3f {
-    return diffuse_color(s, view) * (1.0 - s.metallic) * unreflected(s, view) * reflected_share(s) * base_share(s, view);
+    let albedo = below_lobe(s, view, diffuse_color(s, view));
+    if (!HAS_DIFFUSE_TRANSMISSION) { return albedo; }
+    return albedo * (1.0 - s.diffuse_transmission);
+}
+
+// Share of light from its other side that the surface scatters to the side of the view (KHR_materials_diffuse_transmission).
+fn passed_albedo(s: Surface, view: vec3f) -> vec3f {
+    if (!HAS_DIFFUSE_TRANSMISSION) { return vec3f(0.0); }
+    return below_lobe(s, view, s.diffuse_transmission_color * s.diffuse_transmission);
 }
 
 // Share of the light from other surfaces that the surface scatters, by all of its layers.
 fn scattering_albedo(s: Surface, view: vec3f) -> vec3f {
-    return (diffuse_albedo(s, view) + sheen_albedo(s, view)) * scattered_share(s, view);
+    return (diffuse_albedo(s, view) + sheen_albedo(s, view) + passed_albedo(s, view)) * scattered_share(s, view);
 }
 
 fn ggx_alpha(s: Surface) -> f32 {
@@ -176,9 +189,7 @@ fn shade_layer(s: Surface, view: vec3f, reused: vec2u) -> Shade {
     for (var i = 0u; i < hard_lights() && !is_outer_side(s); i++) {
         let l = incoming(i, s.position);
         let nl = dot(s.normal, l.to_light);
-        if (!faces(s, l.to_light) || max(l.color.x, max(l.color.y, l.color.z)) <= 0.0) {
-            continue;
-        }
+        if (!faces(s, l.to_light) || max(l.color.x, max(l.color.y, l.color.z)) <= 0.0) { continue; }
         let known = reused_bits(reused, i);
         if (known == REUSED_DARK) { continue; }
         var visible = vec3f(1.0);

@@ -102,9 +102,7 @@ fn material_alpha(material: u32, instance: u32, index: array<u32, 3>, bary: vec2
     var alpha = material_base_color(material).w;
     if (HAS_PATTERNED) { alpha = patterned_alpha(material, alpha, patterned_point(instance, index, bary, footprint)); }
     if (HAS_TEXTURES) { alpha *= texel_at(slot, pools_of(BASE_COLOR_SLOT), instance, index, bary, footprint).w; }
-    if ((instance_flags(instance) & FLAG_COLORS) != 0u) {
-        alpha *= vertex_color(instance, index, bary).w;
-    }
+    if ((instance_flags(instance) & FLAG_COLORS) != 0u) { alpha *= vertex_color(instance, index, bary).w; }
     return alpha;
 }
 
@@ -221,19 +219,18 @@ fn surface_at(instance: u32, triangle: u32, place: vec2f, direction: vec3f, cone
     if (!HAS_LAYERS && !behind && bends && !is_round) {
         s.lift_m = max(smooth_lift(c.p, normals, weights, n_object, area2), LEAST_LIFT_M);
     }
-    var n = normal_to_world(instance, n_object);
-    n = select(ng, normalize(n), dot(n, n) > 1e-20);
-
     if (HAS_PATTERNED) {
         var at = patterned_point(instance, c.index, bary, footprint);
         if (is_round) {
             at = PatternedPoint(at.position + round.normal * radius, round.normal, footprint.width_share, instance);
         }
         s = with_patterned(s, m, at);
+        if (HAS_BUMPS) { n_object = bumped(m, n_object, at); }
     }
-    if ((flags & FLAG_COLORS) != 0u) {
-        s.base_color *= vertex_color(instance, c.index, bary).xyz;
-    }
+    var n = normal_to_world(instance, n_object);
+    n = select(ng, normalize(n), dot(n, n) > 1e-20);
+
+    if ((flags & FLAG_COLORS) != 0u) { s.base_color *= vertex_color(instance, c.index, bary).xyz; }
     if (HAS_CHECKERS && material_checker_size_m(m) > 0.0) {
         let size = material_checker_size_m(m);
         let p_object = c.p[0] * weights.x + c.p[1] * weights.y + c.p[2] * weights.z + round.normal * select(0.0, radius, is_round);
@@ -326,12 +323,16 @@ fn texel_at(used: TextureUse, pools: u32, instance: u32, index: array<u32, 3>, b
     return sample_slot(used, uv[0] + per_bary * bary, per_bary * footprint.bary_diameters, pools);
 }
 
-// Applies the textures of specular strength, specular color and sheen.
+// Applies the textures of specular strength, specular color, diffuse transmission and sheen.
 fn with_textured_details(s0: Surface, instance: u32, index: array<u32, 3>, bary: vec2f, footprint: Footprint) -> Surface {
     var s = s0;
     if (HAS_TINTS && LAYER_POOLS != 0u) {
         s.specular *= layer_texel(SPECULAR_SLOT, instance, index, bary, footprint).w;
         s.specular_color *= layer_texel(SPECULAR_COLOR_SLOT, instance, index, bary, footprint).xyz;
+    }
+    if (HAS_DIFFUSE_TRANSMISSION && LAYER_POOLS != 0u) {
+        s.diffuse_transmission *= layer_texel(DIFFUSE_TRANSMISSION_SLOT, instance, index, bary, footprint).w;
+        s.diffuse_transmission_color *= layer_texel(DIFFUSE_TRANSMISSION_COLOR_SLOT, instance, index, bary, footprint).xyz;
     }
     if (HAS_SHEEN && LAYER_POOLS != 0u) {
         s.sheen_color *= layer_texel(SHEEN_COLOR_SLOT, instance, index, bary, footprint).xyz;

@@ -25,8 +25,8 @@ use self::hierarchy::{attach_cameras, attach_lights};
 pub use self::hierarchy::{placed_camera, placed_light};
 pub use self::joint::JointPose;
 pub use self::material::{
-    FileMaterial, MaterialChange, ModelTables, Values, changing_overrides, file_materials,
-    override_of, written_all,
+    FileMaterial, MaterialChange, ModelTables, NO_VALUES, Values, changing_overrides,
+    file_materials, override_of, written_all,
 };
 pub use self::mesh::MeshPose;
 pub use self::names::{Names, ScriptNames};

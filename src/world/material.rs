@@ -268,8 +268,10 @@ impl Material {
         }
         self.base_color.w = desc.alpha.unwrap_or(self.base_color.w);
         self.checker = desc.checker.or(self.checker);
-        self.patterned.retain(|old| !desc.has(old.value.key()));
-        self.patterned.extend_from_slice(&desc.patterned);
+        let new = desc.patterned.iter().chain(&desc.bump);
+        let is_new = |key: PatternedKey| new.clone().any(|p| p.value == key);
+        (self.patterned).retain(|old| !desc.has(old.value.key()) && !is_new(old.value));
+        self.patterned.extend(new.copied());
         if let Some(emission) = desc.emission {
             self.emission = emission;
         }

@@ -70,6 +70,10 @@ textures! {
         SheenRoughness: data "extensions/KHR_materials_sheen/sheenRoughnessTexture", "sheen_color";
         /// Transmission; linear, red channel.
         Transmission: data "extensions/KHR_materials_transmission/transmissionTexture", "transmission";
+        /// Share of diffuse light that passes; linear, alpha channel.
+        DiffuseTransmission: data "extensions/KHR_materials_diffuse_transmission/diffuseTransmissionTexture", "diffuse_transmission";
+        /// Color of the diffuse light that passes; sRGB.
+        DiffuseTransmissionColor: colors "extensions/KHR_materials_diffuse_transmission/diffuseTransmissionColorTexture", "diffuse_transmission";
         /// Strength of the clear coat; linear, red channel.
         Clearcoat: data "extensions/KHR_materials_clearcoat/clearcoatTexture", "clearcoat";
         /// Roughness of the clear coat; linear, green channel.

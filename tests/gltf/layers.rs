@@ -66,21 +66,23 @@ fn specular_sheen_and_the_textures_of_layers_are_read() {
     assert_eq!(m.sheen_color, Some(Vec3::new(0.5, 0.25, 1.0)));
     assert_eq!(m.sheen_roughness, 0.3);
     assert!((m.reflectivity - 0.04).abs() < 1e-6);
-    let is_color = m
-        .layer_textures
-        .map(|used| world.textures[used.expect("read").texture].srgb);
-    assert_eq!(
-        is_color,
-        [
-            false, true, true, false, false, false, false, false, false, false, false
-        ]
-    );
+    let kinds = m.layer_textures.map(|used| {
+        let texture = used.expect("read").texture;
+        if world.textures[texture].srgb {
+            'c'
+        } else {
+            '-'
+        }
+    });
+    assert_eq!(String::from_iter(kinds), "-cc---c------");
     assert_eq!((m.iridescence, m.iridescence_ior), (Some(0.5), 1.75));
     let film_nm = (m.iridescence_least_nm, m.iridescence_thickness_nm);
     assert_eq!(film_nm, (50.0, 650.0));
     assert_eq!((m.anisotropy, m.dispersion), (Some(0.25), Some(2.0)));
     let drafts = (m.clearcoat_ior, m.diffuse_roughness);
     assert_eq!(drafts, (Some(2.0), Some(0.75)));
+    let passed = (m.diffuse_transmission, m.diffuse_transmission_color);
+    assert_eq!(passed, (Some(0.625), Vec3::new(0.25, 0.5, 1.0)));
     assert!((m.anisotropy_rotation_deg - 0.5_f32.to_degrees()).abs() < 1e-4);
     // Textures of layers with a factor of 0 are not loaded.
     doc.json["materials"][0]["extensions"] = json!({

@@ -70,7 +70,7 @@ fn material(random: &mut Random) -> String {
         String::new()
     };
     if random.unit() < 0.5 {
-        for name in ["transmission", "clearcoat", "clearcoat_roughness"] {
+        for name in "transmission diffuse_transmission clearcoat clearcoat_roughness".split(' ') {
             key(name, random.between(0.0, 1.0).to_string());
         }
         key("alpha", random.between(0.0, 1.0).to_string());
@@ -78,7 +78,9 @@ fn material(random: &mut Random) -> String {
         key("ior", random.between(1.0, 4.0).to_string());
         key("clearcoat_ior", random.between(1.0, 4.0).to_string());
         key("thickness_m", random.between(0.0, 2.0).to_string());
-        key("attenuation_color", format!("{:?}", random.color(1.0)));
+        for name in ["attenuation_color", "diffuse_transmission_color"] {
+            key(name, format!("{:?}", random.color(1.0)));
+        }
         key(
             "attenuation_distance_m",
             random.between(1e-6, 10.0).to_string(),

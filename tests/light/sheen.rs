@@ -112,9 +112,12 @@ fn what_is_below_a_sheen_keeps_the_rest_of_the_light() {
     }
 }
 
+/// White paper that passes half of its diffuse light, of which the red is 0.6.
+const PAPER: &str = "diffuse_transmission = 0.5\ndiffuse_transmission_color = [0.6, 1, 1]";
+
 #[test]
-fn a_lamp_shows_the_formula_of_sheen_and_rough_diffuse_reflection() {
-    let lamp = "[light.lamp]\nkind = \"directional\"\ndirection = [-1, -1, 1]\nintensity_lux = 2\n\
+fn a_lamp_shows_the_formula_of_sheen_and_diffuse_light() {
+    let lamp = "[light.lamp]\nkind = \"directional\"\nintensity_lux = 2\n\
                 [material.floor]";
     let light = [1.0, -1.0, 1.0].map(|x| x / 3.0_f64.sqrt()); // z is up
     let dark = FLOOR
@@ -133,11 +136,14 @@ fn a_lamp_shows_the_formula_of_sheen_and_rough_diffuse_reflection() {
                 "base_color = [0.8, 0.8, 0.8]\ndiffuse_roughness = 1",
                 eon(view, light, 1.0, 0.8),
             ),
+            (PAPER, 0.5 * 0.6 / PI),
         ] {
             let own = format!("[material.floor]\nreflectivity = 0\n{cloth}");
             let text = dark.replace("[material.floor]", &own);
+            let up = if cloth == PAPER { 1 } else { -1 }; // the lamp is below paper
+            let from = format!("light.lamp.direction=[-1, {up}, 1]");
             for angle in ["light.lamp.angle_deg=0", "light.lamp.angle_deg=1"] {
-                let found = mean(&render(gpu, &text, &[&eye, angle], &[]));
+                let found = mean(&render(gpu, &text, &[&eye, &from, angle], &[]));
                 assert_close(found[0], (2.0 * lobe * light[2]) as f32, 0.01);
             }
         }
@@ -262,7 +268,8 @@ fn reflections_show_sheen_and_tints_too() {
 fn textures_of_layers_multiply_their_numbers() {
     let Some(gpu) = gpu() else { return };
     let keys = "base_color = [0.2, 0.2, 0.2]\nroughness = 0.4\nspecular_color = [9, 9, 9]\nspecular = 1\n\
-                sheen_color = [1, 1, 1]\nsheen_roughness = 1\ntransmission = 1\nclearcoat = 1\nclearcoat_roughness = 1";
+                sheen_color = [1, 1, 1]\nsheen_roughness = 1\ntransmission = 1\nclearcoat = 1\nclearcoat_roughness = 1\n\
+                diffuse_transmission = 1";
     let text = FLOOR.replace("[material.floor]", &format!("[material.floor]\n{keys}"));
     let set = ["camera.main.eye=[2, 2, 0]", "image.samples=16"];
     let texel = [51_u8, 102, 204, 128];
@@ -278,6 +285,8 @@ fn textures_of_layers_multiply_their_numbers() {
         format!("sheen_color=[{red}, {green}, {blue}]"),
         format!("sheen_roughness={alpha}"),
         format!("transmission={red}"),
+        format!("diffuse_transmission={alpha}"),
+        format!("diffuse_transmission_color=[{red}, {green}, {blue}]"),
         format!("clearcoat={red}"),
         format!("clearcoat_roughness={green}"),
     ]

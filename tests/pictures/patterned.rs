@@ -19,9 +19,9 @@ fn values_at_points_are_those_of_the_formulas() {
     );
     for visibility in ["raster", "rays"] {
         let set = format!("image.visibility={visibility}");
-        let planes = [Aov::Material, Aov::BaseColor, Aov::Emission];
+        let planes = [Aov::Material, Aov::BaseColor, Aov::Emission, Aov::Normal];
         let picture = render(gpu, &text, &[&set], &planes);
-        let [numbers, colors, emitted] = planes.map(|aov| floats(&picture, aov));
+        let [numbers, colors, emitted, normals] = planes.map(|aov| floats(&picture, aov));
         let mut compared = [0; 3];
         for pixel in 0..40 * 24 {
             let [x, y] = place(pixel);
@@ -34,6 +34,10 @@ fn values_at_points_are_those_of_the_formulas() {
             close(colors[3 * pixel + 1], 0.2, "green");
             close(colors[3 * pixel + 2], 1.0 - along, "blue");
             close(emitted[3 * pixel], 2.0 * (-x).clamp(0.0, 1.0), "emission");
+            let slope = if y > 0.0 { 0.5_f32 } else { 0.0 };
+            if y.abs() > 0.08 {
+                close(normals[3 * pixel + 1], -slope / slope.hypot(1.0), "relief");
+            }
             let band = (y - 0.1) / 0.3;
             if from_whole(band) > 0.12 {
                 let expected = [0.25, 0.75][band.floor() as i32 as usize & 1];
@@ -59,7 +63,7 @@ fn values_at_points_are_those_of_the_formulas() {
     }
 }
 
-/// Spheres whose 17 numbers and colors count; `{key|value}` becomes a number or a pattern that is that number.
+/// Spheres whose numbers and colors count; `{key|value}` becomes a number or a pattern that is that number.
 const ALL_KEYS: &str = include_str!("patterned/all_keys.toml");
 
 /// [`ALL_KEYS`] with each value written by a function of its key and value.

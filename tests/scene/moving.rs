@@ -220,7 +220,7 @@ fn absent_material_parts_cannot_move() {
                 "",
             )
             .replace(
-                "sheen_color = [0.25, 0.5, 1]\niridescence = 0.5\nanisotropy = 0.5\ndispersion = 0.5\ndiffuse_roughness = 0.5\nclearcoat_ior = 2\n",
+                "sheen_color = [0.25, 0.5, 1]\niridescence = 0.5\nanisotropy = 0.5\ndispersion = 0.5\ndiffuse_roughness = 0.5\nclearcoat_ior = 2\ndiffuse_transmission = 0.5\n",
                 "",
             );
         let scene = scene.replace("checker = {", "#");
@@ -236,7 +236,7 @@ fn absent_material_parts_cannot_move() {
         let motion = format!("[motion.model.tree.material.leaf]\n{key} = {{ rate = {value} }}\n");
         let error = pose(&format!("{SCENE}{model}{motion}"), 0).expect_err("there is none");
         assert_says(&error, &["`[model.tree.material.leaf]` has none"]);
-        let rest = "alpha_cutoff = 0.5\nalpha = 1\ntransmission = 0\nclearcoat = 0\nspecular = 1\nspecular_color = [1, 1, 1]\nsheen_color = [0, 0, 0]\niridescence = 0\nanisotropy = 0\ndispersion = 0\ndiffuse_roughness = 0\nclearcoat_ior = 1.5\nchecker = { colors = [[1, 1, 1], [0, 0, 0]], size_m = 1 }\n";
+        let rest = "alpha_cutoff = 0.5\nalpha = 1\ntransmission = 0\nclearcoat = 0\nspecular = 1\nspecular_color = [1, 1, 1]\nsheen_color = [0, 0, 0]\niridescence = 0\nanisotropy = 0\ndispersion = 0\ndiffuse_roughness = 0\nclearcoat_ior = 1.5\ndiffuse_transmission = 0\nchecker = { colors = [[1, 1, 1], [0, 0, 0]], size_m = 1 }\n";
         for name in ["leaf", "\"*\""] {
             let table = format!("[model.tree.material.{name}]\n{rest}");
             pose(&format!("{SCENE}{model}{table}{motion}"), 0).expect("is right");

@@ -5,7 +5,7 @@ use reflet_render::{RebuildSummary, RenderError};
 use reflet_scene::{
     desc::{MATERIAL, MaterialDesc},
     diagnostic::Diagnostic,
-    motion::{FrameState, Values},
+    motion::{FrameState, NO_VALUES, Values},
 };
 use reflet_world::World;
 
@@ -24,7 +24,7 @@ impl Edit {
     pub fn new(material: usize) -> Self {
         Self {
             material,
-            values: Values::default(),
+            values: NO_VALUES,
         }
     }
 

@@ -250,9 +250,10 @@ pub fn recorded_passes(
         let shared = shared.iter().filter(|data| is_shared(data));
         of.chain(shared.map(|data| data.name_in(plan))).collect()
     };
+    let detail_layers = plan.detail_layers();
     let bytes = |of: &[Target]| {
         let of = of.iter();
-        of.map(|t| t.pixel_bytes(full) * u64::from(t.layers(plan.features.further_details)))
+        of.map(|t| t.pixel_bytes(full) * u64::from(t.layers(detail_layers)))
             .sum()
     };
     let recorded = ORDER.iter().filter_map(|pass| {

@@ -163,7 +163,7 @@ fn define_variants(out: &mut String) {
 }
 
 /// Functions of the values of a surface that may follow patterns: one gives it a material's, one sets a single value.
-/// Both leave out alpha.
+/// Both leave out alpha and relief.
 pub fn patterned() -> String {
     let mut out = "fn with_value(s0: Surface, which: u32, value: vec3f) -> Surface {\n    var s = s0;\n    switch which {\n".to_owned();
     let mut plain = "fn plain_surface(m: u32) -> Surface {\n    var s: Surface;\n".to_owned();
@@ -175,7 +175,7 @@ pub fn patterned() -> String {
         } else {
             ("value.x", "")
         };
-        if of != PatternedKey::Alpha {
+        if !matches!(of, PatternedKey::Alpha | PatternedKey::Bump) {
             // Writing to a string cannot fail.
             let _ = writeln!(out, "        case {}u: {{ s.{key} = {value}; }}", of as u32);
             let _ = writeln!(plain, "    s.{key} = material_{key}(m){lanes};");

@@ -118,10 +118,10 @@ impl Target {
         u64::from(self.format(full).block_copy_size(None).unwrap_or(4))
     }
 
-    /// Number of layers; `further_details`: the frame has a second layer of details.
-    pub fn layers(self, further_details: bool) -> u32 {
+    /// Number of layers, in a frame with these layers of details.
+    pub fn layers(self, detail_layers: u32) -> u32 {
         match self {
-            Self::Details => 2 + u32::from(further_details),
+            Self::Details => detail_layers,
             Self::Guides => GUIDES as u32,
             _ => 1,
         }
@@ -162,10 +162,7 @@ impl Targets {
         full: bool,
         detail_layers: u32,
     ) -> Result<Self, GpuError> {
-        let layers = |target: Target| match target {
-            Target::Details => detail_layers,
-            other => other.layers(false),
-        };
+        let layers = |target: Target| target.layers(detail_layers);
         let needed = |target: Target| written.contains(&target);
         gpu.check_texture_size("the picture", size[0], size[1])?;
         let pixels = u64::from(size[0]) * u64::from(size[1]);

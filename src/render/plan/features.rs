@@ -1,7 +1,7 @@
 //! The table of features: parts of a frame that are left out where a scene does not need them. A new feature is a row
 //! here and the code in the shaders that its constant or its files switch.
 
-use reflet_scene::desc::{Method, PatternKind, Trace};
+use reflet_scene::desc::{Method, PatternKind, PatternedKey, Trace};
 
 use super::{
     environment_casts_rays,
@@ -129,6 +129,12 @@ features! {
         used: scene.is_general() || scene.paints(|m| !m.patterned.is_empty()),
         constant: HAS_PATTERNED,
         dropped: "numbers that follow patterns" => "no material has one";
+    }
+    /// Whether some material has a relief.
+    bumps {
+        used: scene.paints(|m| m.patterned.iter().any(|p| p.value == PatternedKey::Bump)),
+        constant: HAS_BUMPS,
+        dropped: "reliefs" => "no material has one";
     }
     /// Whether some material has a pattern other than a checker.
     patterns {
@@ -300,6 +306,12 @@ features! {
         constant: HAS_ROUGH_DIFFUSE,
         dropped: "rough diffuse reflections" => "no material has a diffuse roughness";
     }
+    /// Whether some surface passes diffuse light.
+    diffuse_transmission {
+        used: scene.has(|m| m.diffuse_transmission.is_some()),
+        constant: HAS_DIFFUSE_TRANSMISSION,
+        dropped: "diffuse transmission" => "no material passes diffuse light";
+    }
     /// Whether some clear coat has an index of refraction of its own.
     coat_indices {
         used: scene.has(|m| m.clearcoat.is_some() && m.clearcoat_ior.is_some()),
@@ -366,10 +378,10 @@ features! {
         follows: tints || iridescence,
         constant: HAS_TINTS,
     }
-    /// Whether surfaces have details in a second layer: clear coat normals and reflectivities, tangents, or diffuse
-    /// roughness.
+    /// Whether surfaces have details in a second layer: clear coat normals and reflectivities, tangents, diffuse
+    /// roughness, or, in a third one, diffuse transmission.
     further_details {
-        follows: coat_normals || coat_indices || anisotropy || rough_diffuse,
+        follows: coat_normals || coat_indices || anisotropy || rough_diffuse || diffuse_transmission,
         constant: HAS_FURTHER_DETAILS,
     }
     /// Whether some surface has values that the G-buffer has no bits for.

@@ -152,6 +152,12 @@ pub fn mapped_method(world: &World, options: &RenderOptions) -> Option<Method> {
 }
 
 impl Plan {
+    /// Number of layers of the details of surfaces: colors, the details, and layers of further ones.
+    pub fn detail_layers(&self) -> u32 {
+        let features = &self.features;
+        2 + u32::from(features.further_details) + u32::from(features.diffuse_transmission)
+    }
+
     /// The plan of a scene; with [`RenderOptions::general`], the plan that drops no feature.
     pub fn for_world(
         world: &World,

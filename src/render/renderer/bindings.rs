@@ -68,7 +68,7 @@ impl BindingKey {
             size: options.image.size,
             targets: written_targets(uses, options),
             full: plan.precision.full,
-            detail_layers: Target::Details.layers(plan.features.further_details),
+            detail_layers: plan.detail_layers(),
             shadows,
             light_needs: plan.light_needs(),
             lists: ListedParts {

@@ -97,6 +97,10 @@ filled! {
         sheen_color: [f32; 3] = m.sheen_color.unwrap_or(Vec3::ZERO).to_array(),
         /// Perceptual roughness of the sheen.
         sheen_roughness: f32 = m.sheen_roughness,
+        /// Color of the diffuse light that passes.
+        diffuse_transmission_color: [f32; 3] = m.diffuse_transmission_color.to_array(),
+        /// Share of the diffuse light that passes.
+        diffuse_transmission: f32 = m.diffuse_transmission.unwrap_or(0.0),
         /// Strength of the thin film.
         iridescence: f32 = m.iridescence.unwrap_or(0.0),
         /// Index of refraction of the thin film.

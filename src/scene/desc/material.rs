@@ -72,6 +72,9 @@ material! {
         normal_texture: At<String> [ANY] in TEXTURES;
         /// Strength of the normal map, 0 to 4: 0 is flat, 1 as made, more is rougher relief. Default 1.
         normal_scale under normal_texture: f32, Number in range(0.0, 4.0), "strength of the normal map" => rest 1.0;
+        /// Relief that only the light shows: `from` and `to` are heights above the surface, meters in object space, as in
+        /// `{ pattern = "noise", from = 0, to = 0.002, size_m = 0.02 }`. Parts finer than a pixel are flat. Default: none.
+        bump: PatternedDesc;
         /// Strength of the occlusion map of a glTF material, 0 to 1: how much it darkens the environment's light.
         /// Default 1, or the glTF value.
         occlusion_strength: f32, Number in UNIT, "strength of the file's occlusion map" => rest 1.0;
@@ -128,6 +131,13 @@ material! {
         /// Distance inside a solid after which white light has the `attenuation_color`, meters, above 0. Less absorbs
         /// more. Default: nothing is absorbed.
         attenuation_distance_m under transmission under thickness_m under attenuation_color: f32, Number in ABOVE_0, "distance after which white light has that color, meters" of "volume/attenuationDistance" => such_as "1";
+        /// Share of the diffuse light that a surface scatters to its other side rather than back, 0 to 1, as leaves, paper
+        /// and lampshades do (`KHR_materials_diffuse_transmission`). Light goes through a surface as through a thin sheet,
+        /// whatever its `thickness_m`. Default 0, or the glTF value.
+        diffuse_transmission: f32, Number in UNIT, "share of diffuse light that passes" of "diffuse_transmission/diffuseTransmissionFactor" varies DiffuseTransmission => off "0";
+        /// Color of the diffuse light that passes, three numbers 0 to 1; the base color does not tint it. Default white,
+        /// or the glTF value.
+        diffuse_transmission_color under diffuse_transmission: Vec3, Color in UNIT, "color of the diffuse light that passes" of "diffuse_transmission/diffuseTransmissionColorFactor" varies DiffuseTransmissionColor => rest Vec3::ONE;
         /// Strength of a clear coat (varnish) over the material, 0 to 1. Default 0, or the glTF value.
         #[group("Clear coat")]
         clearcoat: f32, Number in UNIT, "strength of the clear coat" of "clearcoat/clearcoatFactor" varies Clearcoat => off "0";

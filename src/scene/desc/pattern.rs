@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use super::PatternedDesc;
 use crate::{
     range::{ABOVE_0, ANY, UNIT},
     table::{Keys, Section, Table, color::Color},
@@ -73,7 +74,7 @@ declared! {
     /// - `offset_m`: place of the pattern's origin, meters in object space, three numbers. Default [0, 0, 0].
     /// - `per_instance`: whether each instance, and each mesh of a model, shows another part of the pattern, as boards of one wood
     ///   do; not of a gradient. Which parts changes with the number of instances before. Default false.
-    pub struct NumberPatternDesc;
+    pub struct NumberPatternDesc(pub(super) PatternedDesc);
 
     /// `base_color = { pattern = "noise", from = "#803010", to = "#e0e0e0", size_m = 0.2 }`: as a number that follows a
     /// pattern, with two colors.

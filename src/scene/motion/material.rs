@@ -112,13 +112,23 @@ pub fn written_all(desc: &SceneDesc, models: &ByName, all: &[FileMaterial]) -> V
 /// Value of each field of [`MATERIAL`], where it is set.
 pub type Values = [Option<Vec3>; MATERIAL_FIELDS];
 
+/// Values of a material of which none is set.
+pub const NO_VALUES: Values = [None; MATERIAL_FIELDS];
+
 /// Change of a material whose values at rest only its file has.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct MaterialChange {
     /// Values in place of the material's own.
     pub set: Values,
     /// Values that are added afterwards.
     pub add: Values,
+}
+
+impl Default for MaterialChange {
+    fn default() -> Self {
+        let (set, add) = (NO_VALUES, NO_VALUES);
+        Self { set, add }
+    }
 }
 
 /// Sets a `[material.NAME]` to its tracks at a time, seconds.

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use glam::Vec3;
 
-use crate::desc::{CameraDesc, LIGHT, LightDesc, MOST_CD};
+use crate::desc::{CameraDesc, LIGHT, LightDesc, MATERIAL_FIELDS, MOST_CD};
 
 /// Kind of a thing that a script has set: tracks leave such cameras and lights alone, and editors say why other
 /// values in the text would not be seen.
@@ -26,14 +26,16 @@ pub enum Kind {
     FileMaterial,
 }
 
+const _: () = assert!(MATERIAL_FIELDS <= u64::BITS as usize, "a bit for each");
+
 /// Values that scripts have set in a frame: for each thing, bit `i` stands for field `i` of its table; of a node for
 /// its translation, rotation and scale.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct ScriptedFields(HashMap<(Kind, usize), u32>);
+pub struct ScriptedFields(HashMap<(Kind, usize), u64>);
 
 impl ScriptedFields {
     /// Adds fields of a thing.
-    pub fn add(&mut self, kind: Kind, index: usize, fields: u32) {
+    pub fn add(&mut self, kind: Kind, index: usize, fields: u64) {
         *self.0.entry((kind, index)).or_default() |= fields;
     }
 

@@ -24,9 +24,9 @@ use crate::{
 };
 
 /// Bits of the parts of a node's transform in [`ScriptedFields`].
-const TRANSLATION: u32 = 0b001;
-const ROTATION: u32 = 0b010;
-const TRANSFORM: u32 = 0b111;
+const TRANSLATION: u64 = 0b001;
+const ROTATION: u64 = 0b010;
+const TRANSFORM: u64 = 0b111;
 
 type Result<T> = std::result::Result<T, Box<EvalAltResult>>;
 
@@ -180,7 +180,7 @@ impl Context {
     fn put(
         &self,
         name: &str,
-        fields: u32,
+        fields: u64,
         pose: impl FnOnce(&Affine3A) -> Result<Affine3A>,
     ) -> Result<()> {
         let index = self.movable(name)?;

@@ -132,14 +132,14 @@ fn lanes(value: &Dynamic, key: &str, form: Form, range: &Range) -> Result<Vec3> 
 pub fn field_bits<T: 'static>(
     all: &'static [Field<T>],
     set: impl Iterator<Item = &'static Field<T>>,
-) -> u32 {
+) -> u64 {
     let index = |field: &Field<T>| all.iter().position(|other| std::ptr::eq(other, field));
     set.filter_map(index)
         .fold(0, |bits, index| bits | 1 << index)
 }
 
 /// Bits of the material fields that have a value.
-pub fn set_bits(values: &Values) -> u32 {
+pub fn set_bits(values: &Values) -> u64 {
     let set = values.iter().enumerate().filter(|(_, v)| v.is_some());
     set.fold(0, |bits, (index, _)| bits | 1 << index)
 }

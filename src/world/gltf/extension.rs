@@ -6,7 +6,7 @@ use super::{Fault, schema::Root, uri::shorten};
 use reflet_scene::diagnostic::Diagnostic;
 
 /// Supported extensions, which files may list in `extensionsRequired`.
-pub const SUPPORTED: [&str; 28] = [
+pub const SUPPORTED: [&str; 29] = [
     "EXT_lights_image_based",
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
@@ -19,6 +19,7 @@ pub const SUPPORTED: [&str; 28] = [
     "KHR_materials_clearcoat",
     "KHR_materials_clearcoat_ior",     // a draft
     "KHR_materials_diffuse_roughness", // a draft
+    "KHR_materials_diffuse_transmission",
     "KHR_materials_dispersion",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",

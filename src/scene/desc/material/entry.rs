@@ -98,17 +98,20 @@ macro_rules! material {
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub enum PatternedKey {
             $($($(#[doc = concat!("Key `", stringify!($key), "`.")] $varies,)?)?)*
+            /// Height, of key `bump`.
+            Bump,
         }
 
         impl PatternedKey {
             /// All of them.
-            pub const ALL: [Self; [$($($(stringify!($varies),)?)?)*].len()] =
-                [$($($(Self::$varies,)?)?)*];
+            pub const ALL: [Self; [$($($(stringify!($varies),)?)?)*].len() + 1] =
+                [$($($(Self::$varies,)?)?)* Self::Bump];
 
             /// Key in scene text.
             pub const fn key(self) -> &'static str {
                 match self {
                     $($($(Self::$varies => stringify!($key),)?)?)*
+                    Self::Bump => "bump",
                 }
             }
         }

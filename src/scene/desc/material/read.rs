@@ -25,15 +25,22 @@ impl Section for MaterialDesc {
         t.find::<At<String>>("extends", ANY);
         t.refers("extends", &["material"]);
         let ior = t.find("ior", INDEX);
+        let bump = t
+            .table("bump")
+            .map(|NumberPatternDesc(heights)| PatternedDesc {
+                value: PatternedKey::Bump,
+                ..heights
+            });
         let mut material = Self {
             checker: checker.or(pattern),
             ior,
+            bump,
             ..Self::default()
         };
         let mut patterned = Vec::new();
         material.read_keys(t, &mut patterned);
         material.reflectivity = material.reflectivity.or(ior.map(reflectivity_of));
-        if let Some(over) = patterned.get(MOST_PATTERNED) {
+        if let Some(over) = patterned.iter().chain(&bump).nth(MOST_PATTERNED) {
             let message = format!("a material has at most {MOST_PATTERNED} patterns");
             let help = "write a number in place of a pattern, or an image file for several of them";
             t.refuse("too-many-patterns", over.value.key(), &message, help);
@@ -118,10 +125,15 @@ impl Section for NumberPatternDesc {
     const HEADING: &'static str = "roughness = { pattern = … }";
 
     fn read(t: &mut Table) -> Option<Self> {
-        VariedBy::read::<f32>(t, ANY, Lanes::lanes).map(|_| Self)
+        VariedBy::read::<f32>(t, ANY, Lanes::lanes).map(|VariedBy(pattern)| Self(pattern))
     }
 
     fn instead(key: &str, value: &Node) -> Option<String> {
+        if key == "bump" {
+            let pattern = pattern_instead(value, ["0", "0.002"].map(str::to_owned));
+            let any = "write `{ pattern = \"noise\", from = 0, to = 0.002, size_m = 0.02 }`, or `normal_texture` for an image";
+            return pattern.or_else(|| Some(any.to_owned()));
+        }
         let range = find(&MATERIAL, key)?.range;
         pattern_instead(value, [0.2, 0.8].map(|x| range.clamp(x).to_string()))
     }
