@@ -23,9 +23,11 @@ fn gathered(pixel: vec2u) -> vec4f {
     let distance_m = distance(s.position, frame.eye);
     start_path(s.position, false);
     start_samples(pixel, FIRST_VERTEX);
-    let view = Reflected(view_direction(s.position), vec3f(1.0), 0.0, 1.0, 1.0, s.normal);
-    var start = scattered_by_surface(view, s);
-    let albedo = scattering_albedo(s, -view.direction);
+    let view = -view_direction(s.position);
+    let albedo = scattering_albedo(s, view);
+    if (all(albedo <= vec3f(0.0))) { return vec4f(0.0, 0.0, 0.0, select(1.0, 0.0, SMOOTHED)); }
+    let ray = scattered_ray(s, view, scattered_albedo(s, view));
+    var start = Start(ray, onward_origin(s, ray.direction));
     if (SMOOTHED) {
         let brightest = max(albedo.x, max(albedo.y, albedo.z));
         if (brightest < 1e-4) { return vec4f(0.0); }

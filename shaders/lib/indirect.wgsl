@@ -220,15 +220,3 @@ fn gathered_by_path(pixel: vec2u, vertex: u32, hits: u32, start: Start, first: C
     }
     return vec4f(color, 1.0);
 }
-
-// Start of the path by which a surface scatters indirect diffuse light along the ray before; without weight where it
-// scatters none.
-fn scattered_by_surface(before: Reflected, s: Surface) -> Start {
-    let view = -before.direction;
-    let albedo = scattered_albedo(s, view);
-    let is_matte = any(albedo > vec3f(0.0)) || has_sheen(s) || passes_diffusely(s);
-    var ray = Reflected(s.normal, vec3f(0.0), TAKEN, 0.0, 1.0, s.normal);
-    if (is_matte && path_scatterings < frame.diffuse_bounces) { ray = scattered_ray(s, view, albedo); }
-    ray.weight *= before.kept;
-    return Start(ray, onward_origin(s, ray.direction));
-}

@@ -27,15 +27,18 @@ gpu_struct! {
         reach: f32,
         /// Number of taps.
         taps: u32,
+        /// 1: the first step, which finds how far rays go.
+        is_first: u32,
     }
 }
 
 /// Records the pass: wide, then narrow.
 pub fn record(passes: &[ComputePass], frame: &mut SubFrame<'_>) {
-    for (pass, (reach, taps)) in passes.iter().zip(STEPS) {
+    for (step, (pass, (reach, taps))) in passes.iter().zip(STEPS).enumerate() {
         let params = Params {
             reach: frame.options.smoothing() * reach,
             taps: frame.options.taps(taps),
+            is_first: u32::from(step == 0),
         };
         frame.dispatch_with(pass, &params, Dispatch::PerPixel);
     }
