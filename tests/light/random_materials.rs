@@ -2,6 +2,8 @@
 
 use std::{fmt::Write as _, ops::Range};
 
+use reflet::scene::{desc::MATERIAL, number::Form};
+
 use super::kit::*;
 
 const BALLS: u32 = 100;
@@ -34,71 +36,34 @@ impl Random {
     }
 }
 
-fn film_and_grooves(random: &mut Random) -> String {
-    let mut text = String::new();
-    for (name, low, high) in [
-        ("iridescence", 0.0, 1.0),
-        ("iridescence_ior", 1.0, 4.0),
-        ("iridescence_thickness_nm", 0.0, 1e5),
-        ("anisotropy", 0.0, 1.0),
-        ("anisotropy_rotation_deg", -1e4, 1e4),
-    ] {
-        // Writing to a string cannot fail.
-        let _ = writeln!(text, "{name} = {}", random.between(low, high));
-    }
-    text
-}
-
+/// Numbers and colors of scene text, of each material about half.
 fn material(random: &mut Random) -> String {
     let mut text = String::new();
-    let mut key = |name: &str, value: String| {
+    let is_key = |key: &str| !key.starts_with("emission") && !key.starts_with("checker_");
+    for field in MATERIAL.iter().filter(|field| is_key(field.key)) {
+        let [low, high] = [-1e4, 1e5].map(|x| field.range.clamp(x));
+        let numbers = [(); 3].map(|()| random.between(low, high));
+        if random.unit() < 0.5 {
+            continue;
+        }
+        let value = match field.form {
+            Form::Number => numbers[0].to_string(),
+            Form::Pair => format!("{:?}", &numbers[..2]),
+            _ => format!("{numbers:?}"),
+        };
         // Writing to a string cannot fail.
-        let _ = writeln!(text, "{name} = {value}");
-    };
-    key("base_color", format!("{:?}", random.color(1.0)));
-    for name in ["metallic", "roughness", "reflectivity"] {
-        key(name, random.between(0.0, 1.0).to_string());
+        let _ = writeln!(text, "{} = {value}", field.key);
     }
+    let _ = writeln!(text, "ior = {}", random.between(1.0, 4.0));
+    let _ = writeln!(text, "thickness_m = {}", random.between(0.0, 2.0));
     if random.unit() < 0.3 {
         let [red, green, blue] = random.color(1e5);
-        key("emission", format!("{:?}", [red.max(1e-6), green, blue]));
-        key("light", (random.unit() < 0.5).to_string());
+        let _ = writeln!(text, "emission = [{}, {green}, {blue}]", red.max(1e-6));
+        let _ = writeln!(text, "light = {}", random.unit() < 0.5);
     }
-    let more = if random.unit() < 0.5 {
-        film_and_grooves(random)
-    } else {
-        String::new()
-    };
-    if random.unit() < 0.5 {
-        for name in "transmission diffuse_transmission clearcoat clearcoat_roughness".split(' ') {
-            key(name, random.between(0.0, 1.0).to_string());
-        }
-        key("alpha", random.between(0.0, 1.0).to_string());
-        key("dispersion", random.between(0.0, 40.0).to_string());
-        key("ior", random.between(1.0, 4.0).to_string());
-        key("clearcoat_ior", random.between(1.0, 4.0).to_string());
-        key("thickness_m", random.between(0.0, 2.0).to_string());
-        for name in ["attenuation_color", "diffuse_transmission_color"] {
-            key(name, format!("{:?}", random.color(1.0)));
-        }
-        key(
-            "attenuation_distance_m",
-            random.between(1e-6, 10.0).to_string(),
-        );
-    }
-    if random.unit() < 0.5 {
-        key("specular", random.between(0.0, 1.0).to_string());
-        key("specular_color", format!("{:?}", random.color(30.0)));
-        key("sheen_color", format!("{:?}", random.color(1.0)));
-        key("sheen_roughness", random.between(0.0, 1.0).to_string());
-        key("diffuse_roughness", random.between(0.0, 1.0).to_string());
-    }
-    let modes = ["none", "auto", "mirror"];
-    key(
-        "reflection",
-        format!("{:?}", modes[(random.unit() * 3.0) as usize % 3]),
-    );
-    [text, more].concat()
+    let mode = ["none", "auto", "mirror"][(random.unit() * 3.0) as usize % 3];
+    let _ = writeln!(text, "reflection = {mode:?}");
+    text
 }
 
 /// Scene text of balls in rows that nearly touch, each with its own material.

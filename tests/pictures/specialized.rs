@@ -4,8 +4,8 @@
 use std::{collections::HashSet, path::PathBuf};
 
 use reflet::{
-    render::passes::needed_passes,
-    world::{load, load::LoadOptions},
+    render::{buffers::textures::Layers, passes::needed_passes, plan::Plan},
+    world::{bvh::Trees, load, load::LoadOptions},
 };
 
 use crate::{
@@ -175,7 +175,6 @@ fn compare_choices(choices: &[(&str, &[&str])]) {
 /// Passes that only some methods need, and settings with and without them. Nothing of the room with probes is rough.
 #[test]
 fn passes_are_recorded_only_where_the_method_needs_them() {
-    let Some(gpu) = gpu() else { return };
     let [faces, far, layer, rate] = [
         include_str!("box_faces/room.toml"),
         include_str!("near_far/court.toml"),
@@ -214,8 +213,10 @@ fn passes_are_recorded_only_where_the_method_needs_them() {
                 .collect();
             let set: Vec<&str> = set.iter().map(String::as_str).collect();
             let (desc, world) = scene(text, &set);
-            let renderer = renderer(gpu, &desc, &world, false);
-            let passes = needed_passes(renderer.plan(), renderer.options());
+            let options = RenderOptions::for_scene(&desc).settled();
+            let trees = Trees::build(&world, u64::MAX).expect("small");
+            let plan = Plan::for_world(&world, &trees, &Layers::for_world(&world), &options);
+            let passes = needed_passes(&plan, &options);
             for name in names {
                 let is_recorded = passes.iter().any(|pass| pass.name == *name);
                 assert_eq!(is_recorded, is_used, "{set:?}: {name}");
