@@ -58,7 +58,7 @@ mod wrong_types;
 
 pub use animation::{Clip, Playable, StageTime};
 pub use container::Bytes;
-pub use extension::SUPPORTED as SUPPORTED_EXTENSIONS;
+pub use extension::supported_extensions;
 pub use image_light::{ImageLight, LightMap};
 pub use lenient::FORGIVEN;
 pub use posed::{Posed, PosedNames};

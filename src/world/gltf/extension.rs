@@ -3,10 +3,10 @@
 use std::{collections::BTreeSet, path::Path};
 
 use super::{Fault, schema::Root, uri::shorten};
-use reflet_scene::diagnostic::Diagnostic;
+use reflet_scene::{desc::LAYER_NUMBERS, diagnostic::Diagnostic};
 
-/// Supported extensions, which files may list in `extensionsRequired`.
-pub const SUPPORTED: [&str; 29] = [
+/// Supported extensions beside those of numbers of materials.
+const OTHERS: [&str; 16] = [
     "EXT_lights_image_based",
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
@@ -15,28 +15,25 @@ pub const SUPPORTED: [&str; 29] = [
     "KHR_draco_mesh_compression",
     "KHR_gaussian_splatting", // shown as points, with a warning
     "KHR_lights_punctual",
-    "KHR_materials_anisotropy",
-    "KHR_materials_clearcoat",
-    "KHR_materials_clearcoat_ior",     // a draft
-    "KHR_materials_diffuse_roughness", // a draft
-    "KHR_materials_diffuse_transmission",
-    "KHR_materials_dispersion",
-    "KHR_materials_emissive_strength",
-    "KHR_materials_ior",
-    "KHR_materials_iridescence",
     "KHR_materials_pbrSpecularGlossiness", // approximated, with a warning
-    "KHR_materials_sheen",
-    "KHR_materials_specular",
-    "KHR_materials_transmission",
     "KHR_materials_unlit",
     "KHR_materials_variants", // without a chosen variant the default materials show, as specified
-    "KHR_materials_volume",
     "KHR_mesh_quantization",
     "KHR_meshopt_compression",
     "KHR_node_visibility",
     "KHR_texture_basisu",
     "KHR_texture_transform",
 ];
+
+/// Supported extensions, which files may list in `extensionsRequired`, sorted.
+pub fn supported_extensions() -> BTreeSet<String> {
+    let of_number = |(path, _): &(&str, _)| {
+        let extension = path.split('/').next().unwrap_or_default();
+        format!("KHR_materials_{extension}")
+    };
+    let numbers = LAYER_NUMBERS.iter().map(of_number);
+    numbers.chain(OTHERS.map(str::to_owned)).collect()
+}
 
 /// Extensions that need no warning: the picture is the same without them, or the file has a fallback.
 const HARMLESS: [&str; 7] = [
@@ -79,11 +76,14 @@ pub fn check_required(required: &[String], strict: bool) -> Result<(), Fault> {
             quoted.join(", ")
         ),
     )
-    .help(format!("{instead}; supported are {}", SUPPORTED.join(", "))))
+    .help(format!(
+        "{instead}; supported are {}",
+        Vec::from_iter(supported_extensions()).join(", ")
+    )))
 }
 
 fn is_ignored(name: &str) -> bool {
-    !SUPPORTED.contains(&name) && !HARMLESS.contains(&name)
+    !supported_extensions().contains(name) && !HARMLESS.contains(&name)
 }
 
 /// A warning for each ignored extension that changes the appearance.
