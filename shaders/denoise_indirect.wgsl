@@ -11,6 +11,7 @@
 @group(2) @binding(6) var denoised: RadianceTexture;
 @group(2) @binding(7) var<uniform> params: Params;
 
+const SAME_SIDES: f32 = 0.02; // maximum difference of diffuse transmission, whose light has two sides
 const MOST_BETWEEN: i32 = 8; // pixels looked at between a pixel and a tap
 
 // Mean of w over the pixels around: harmonic mean of distances; 0 without any. The pixel's own ray is left out: where
@@ -69,7 +70,7 @@ fn denoised_light(pixel: vec2u, s: Surface, own: vec4f) -> vec4f {
         let at = tap_at(pixel, turn, reach_px * r, k);
         if (!inside(at)) { continue; }
         let found = textureLoad(source, at, 0);
-        if (found.w <= 0.0) { continue; }
+        if (found.w <= 0.0 || abs(diffuse_transmission_at(vec2u(at)) - s.diffuse_transmission) > SAME_SIDES) { continue; }
         let other = unpack_geometric_normal(textureLoad(surface, at, 0));
         let offset_m = position_at(vec2u(at), textureLoad(view_depth, at, 0).x) - s.position;
         let tilt = 1.0 - dot(normal, other);

@@ -1,6 +1,5 @@
 // Results of the march: where a ray crosses the surface of a pixel, and its hit.
 
-
 struct March {
     cause: u32,
     distance_m: f32, // distance of the hit; else length of the ray that is free of hits

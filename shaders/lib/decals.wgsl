@@ -102,6 +102,7 @@ fn with_decals(s0: Surface, instance: u32, plain: vec3f, behind: bool, footprint
             if ((d.changes & DECAL_COLOR) != 0u) {
                 s.base_color = mix(s.base_color, over.surface.base_color, share);
                 s.transmission *= 1.0 - share;
+                s.diffuse_transmission *= 1.0 - share;
                 // A surface that is sampled as a light has one emission for all who ask.
                 if ((instance_flags(instance) & FLAG_EMITTER) == 0u) { s.emission += over.surface.emission * share; }
             }

@@ -13,14 +13,17 @@ fn packed_colors(pixel: vec2u) -> vec4u {
     return textureLoad(details, pixel, 0, 0);
 }
 
+fn diffuse_transmission_at(pixel: vec2u) -> f32 {
+    if (!HAS_DIFFUSE_TRANSMISSION) { return 0.0; }
+    return bitcast<f32>(textureLoad(details, pixel, 3, 0).w);
+}
+
 fn detailed(s: Surface, pixel: vec2u) -> Surface {
     if (!HAS_DETAILS) { return s; }
     var whole = with_details(s, textureLoad(details, pixel, 1, 0));
     if (!HAS_FURTHER_DETAILS) { return whole; }
     whole = with_further_details(whole, textureLoad(details, pixel, 2, 0));
-    if (!HAS_DIFFUSE_TRANSMISSION) { return whole; }
-    let passed = bitcast<vec4f>(textureLoad(details, pixel, 3, 0));
-    whole.diffuse_transmission_color = passed.xyz;
-    whole.diffuse_transmission = passed.w;
+    if (HAS_DIFFUSE_TRANSMISSION) { whole.diffuse_transmission_color = bitcast<vec3f>(textureLoad(details, pixel, 3, 0).xyz); }
+    whole.diffuse_transmission = diffuse_transmission_at(pixel);
     return whole;
 }

@@ -140,10 +140,9 @@ fn emitter_sample(chosen: LightChoice, candidates: f32, position: vec3f, u: vec2
     let d2 = max(dot(offset, offset), 1e-20);
     r.distance_m = sqrt(d2);
     r.to_light = offset / r.distance_m;
-    let flags = instance_trace_flags(instance);
     var facing = -dot(t.area2, r.to_light) / max(length(t.area2), 1e-30);
     let seen_share = select(1.0, INNER_SHARE, facing < 0.0 && chosen.sides == 1u);
-    if ((flags & DOUBLE_SIDED) != 0u) { facing = abs(facing); }
+    if ((instance_trace_flags(instance) & DOUBLE_SIDED) != 0u) { facing = abs(facing); }
     if (facing <= 0.0) { return EmitterSample(r, 0.0, 0.0); }
     var emission = material_at(m, instance, c.index, bary, Footprint()).emission * emitted_share(m, instance, c.index, bary, facing);
     if (HAS_TEXTURES) {

@@ -64,10 +64,11 @@ fn scattered_albedo(s: Surface, view: vec3f) -> vec3f {
 }
 
 fn continues(s: Surface) -> bool {
-    return goes_on(s) || (HAS_INDIRECT && path_scatterings < frame.diffuse_bounces && (has_sheen(s) || passes_diffusely(s) || (s.metallic < 1.0 && any(s.base_color > vec3f(0.0)))));
+    let is_matte = has_sheen(s) || passes_diffusely(s) || (s.metallic < 1.0 && any(s.base_color > vec3f(0.0)));
+    return goes_on(s) || (HAS_INDIRECT && path_scatterings < frame.diffuse_bounces && is_matte);
 }
 
-// Albedo of the light that a surface scatters from its other side to the side of the view; as above.
+// Albedo of the light that a surface scatters from its other side to the side of the view, while the path may still scatter.
 fn scattered_through(s: Surface, view: vec3f) -> vec3f {
     if (!passes_diffusely(s) || path_scatterings >= frame.diffuse_bounces) { return vec3f(0.0); }
     return passed_albedo(s, view) * scattered_share(s, view);
@@ -82,13 +83,12 @@ fn scattered_ray(s: Surface, view: vec3f, albedo: vec3f) -> Reflected {
     var share = 1.0; // probability of the side
     if (HAS_DIFFUSE_TRANSMISSION) {
         let through = scattered_through(s, view);
-        let here = luminance(albedo) + luminance(sheen_albedo(s, view));
+        let here = luminance(albedo) + luminance(sheen_albedo(s, view)) * scattered_share(s, view);
         share = here / max(here + luminance(through), 1e-6);
-        let is_here = u.x < share;
-        u.x = select(u.x - share, u.x, is_here);
-        if (!is_here) {
+        if (u.x >= share) {
             part = other_side(s, view);
             color = through;
+            u.x -= share;
             share = 1.0 - share;
         }
         u.x = min(u.x / max(share, 1e-6), BELOW_ONE);

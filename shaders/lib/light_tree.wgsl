@@ -163,8 +163,8 @@ fn chosen_light(u: vec2f, by_power: bool, surface: LitPoint) -> LightChoice {
     return LightChoice(instance, at.link & ~LIGHT_LEAF, at.chances, to.sides);
 }
 
-// Probabilities of the way down to a node of a mesh's tree, as `to`, and to the node above it of the scene's, as `surface`,
-// by importance and by power. NONE: the way ends above.
+// Probabilities of the way down to a node of a mesh's tree and to its node `above` in the scene's tree, by importance and by
+// power. `to` is the surface in the mesh's tree, `surface` in the scene's. NONE: the way ends above.
 fn chances_of_way(item: u32, to: LitPoint, above: u32, surface: LitPoint) -> vec2f {
     var node = item;
     var seen_as = to;

@@ -219,16 +219,20 @@ fn surface_at(instance: u32, triangle: u32, place: vec2f, direction: vec3f, cone
     if (!HAS_LAYERS && !behind && bends && !is_round) {
         s.lift_m = max(smooth_lift(c.p, normals, weights, n_object, area2), LEAST_LIFT_M);
     }
+    var n = normal_to_world(instance, n_object);
+    n = select(ng, normalize(n), dot(n, n) > 1e-20);
+    let plain_normal = n;
     if (HAS_PATTERNED) {
         var at = patterned_point(instance, c.index, bary, footprint);
         if (is_round) {
             at = PatternedPoint(at.position + round.normal * radius, round.normal, footprint.width_share, instance);
         }
         s = with_patterned(s, m, at);
-        if (HAS_BUMPS) { n_object = bumped(m, n_object, at); }
+        if (HAS_BUMPS) {
+            let relief = normal_to_world(instance, bumped(m, n_object, at));
+            n = select(n, normalize(relief), dot(relief, relief) > 1e-20);
+        }
     }
-    var n = normal_to_world(instance, n_object);
-    n = select(ng, normalize(n), dot(n, n) > 1e-20);
 
     if ((flags & FLAG_COLORS) != 0u) { s.base_color *= vertex_color(instance, c.index, bary).xyz; }
     if (HAS_CHECKERS && material_checker_size_m(m) > 0.0) {
@@ -241,7 +245,6 @@ fn surface_at(instance: u32, triangle: u32, place: vec2f, direction: vec3f, cone
         let odd = pattern(material_pattern(m), p_object / size, cross_object / area2_object, width);
         s.base_color *= mix(material_checker_a(m), material_checker_b(m), odd);
     }
-    let plain_normal = n;
     var coat_normal = n;
     if (HAS_TEXTURES) {
         s.base_color *= texel_at(material_texture(m, BASE_COLOR_SLOT), pools_of(BASE_COLOR_SLOT), instance, c.index, bary, footprint).xyz;

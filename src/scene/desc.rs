@@ -61,7 +61,7 @@ pub use self::{
         MotionDesc, TimelineDesc,
     },
     outline::{BevelDesc, FigureDesc, FileDesc, FillRule, OutlineDesc},
-    pattern::{CheckerDesc, ColorPatternDesc, NumberPatternDesc, PatternDesc, PatternKind},
+    pattern::{CheckerDesc, PatternDesc, PatternKind},
     placement::{PlacementDesc, turned},
     probe::{Lookup, ProbeDesc, ProbesDesc, SelectBy},
     project::ProjectDesc,

@@ -189,6 +189,11 @@ impl Material {
         self.transmission.is_some() || self.blended
     }
 
+    /// Whether the surface has a relief that follows a pattern.
+    pub fn has_relief(&self) -> bool {
+        (self.patterned.iter()).any(|pattern| pattern.value == PatternedKey::Bump)
+    }
+
     /// Absorption coefficient inside the material, per meter, by the Beer-Lambert law.
     pub fn absorption(&self) -> Vec3 {
         const LEAST: f32 = 1e-6; // black after the distance, without infinities

@@ -114,6 +114,8 @@ fn what_is_below_a_sheen_keeps_the_rest_of_the_light() {
 
 /// White paper that passes half of its diffuse light, of which the red is 0.6.
 const PAPER: &str = "diffuse_transmission = 0.5\ndiffuse_transmission_color = [0.6, 1, 1]";
+/// The same, with the lamp on its other side.
+const BEHIND: &str = "diffuse_transmission_color = [0.6, 1, 1]\ndiffuse_transmission = 0.5";
 
 #[test]
 fn a_lamp_shows_the_formula_of_sheen_and_diffuse_light() {
@@ -136,11 +138,12 @@ fn a_lamp_shows_the_formula_of_sheen_and_diffuse_light() {
                 "base_color = [0.8, 0.8, 0.8]\ndiffuse_roughness = 1",
                 eon(view, light, 1.0, 0.8),
             ),
-            (PAPER, 0.5 * 0.6 / PI),
+            (PAPER, 0.5 / PI),
+            (BEHIND, 0.5 * 0.6 / PI),
         ] {
             let own = format!("[material.floor]\nreflectivity = 0\n{cloth}");
             let text = dark.replace("[material.floor]", &own);
-            let up = if cloth == PAPER { 1 } else { -1 }; // the lamp is below paper
+            let up = if cloth == BEHIND { 1 } else { -1 };
             let from = format!("light.lamp.direction=[-1, {up}, 1]");
             for angle in ["light.lamp.angle_deg=0", "light.lamp.angle_deg=1"] {
                 let found = mean(&render(gpu, &text, &[&eye, &from, angle], &[]));

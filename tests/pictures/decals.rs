@@ -20,7 +20,11 @@ pub fn place(pixel: usize) -> [f32; 2] {
 
 /// Base color of each pixel of a wall with these decals.
 fn wall(decals: &str) -> Option<Vec<f32>> {
-    let text = format!("{WALL}{decals}");
+    // A relief turns no decal away.
+    let text = format!("{WALL}{decals}").replace(
+        "roughness = 0.75",
+        "bump = { pattern = \"brick\", from = 0.03, to = 0, size_m = 0.3 }",
+    );
     let picture = render(gpu()?, &text, &[], &[Aov::BaseColor]);
     Some(floats(&picture, Aov::BaseColor).to_vec())
 }

@@ -63,7 +63,7 @@ fn values_at_points_are_those_of_the_formulas() {
     }
 }
 
-/// Spheres whose numbers and colors count; `{key|value}` becomes a number or a pattern that is that number.
+/// Spheres and a leaf whose numbers and colors count; `{key|value}` becomes a number or a pattern that is that number.
 const ALL_KEYS: &str = include_str!("patterned/all_keys.toml");
 
 /// [`ALL_KEYS`] with each value written by a function of its key and value.

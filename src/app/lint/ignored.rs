@@ -210,6 +210,7 @@ fn materials(scene: &Scene) -> Vec<Diagnostic> {
         let is_metal = it.metallic == Some(1.0) && it.metallic_roughness_texture.is_none();
         let of_others = [
             ("transmission", it.transmission > Some(0.0)),
+            ("diffuse_transmission", it.diffuse_transmission > Some(0.0)),
             (
                 "reflectivity",
                 it.reflectivity.is_some() && it.ior.is_none(),

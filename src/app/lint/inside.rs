@@ -34,8 +34,12 @@ pub fn lights(scene: &Scene, world: &World) -> Vec<Diagnostic> {
         let mut around = closed.around(position);
         let surface = surface(&light.desc.kind, position);
         around.retain(|i| {
-            let casts_shadow = world.instances[*i].shown.casts_shadow;
-            casts_shadow
+            let around = &world.instances[*i];
+            let passes = world.materials[around.material]
+                .diffuse_transmission
+                .is_some();
+            around.shown.casts_shadow
+                && !passes
                 && !cameras.iter().any(|eye| closed.contains(*i, *eye))
                 && surface.iter().all(|at| closed.contains(*i, *at))
         });

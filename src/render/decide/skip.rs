@@ -252,11 +252,12 @@ fn of_world(world: &World, reflectors: &[Reflector]) -> Option<String> {
             &world.meshes[instance.mesh],
             &world.materials[instance.material],
         );
-        let has_bumps = |of: &Material| of.normal_texture.is_some() || of.has_coat_normals();
+        let has_bumps =
+            |of: &Material| of.normal_texture.is_some() || of.has_coat_normals() || of.has_relief();
         let mut decals = world.decals.over(instance.material);
         let why = if has_bumps(material) || decals.any(|d| has_bumps(&world.materials[d.material]))
         {
-            "has a normal map"
+            "has a normal map or a relief"
         } else if mesh.deformation.is_some() {
             "is deformed"
         } else if mesh.may_magnify(material.double_sided) {

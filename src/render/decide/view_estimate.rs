@@ -200,14 +200,27 @@ impl Estimator<'_> {
         let (material, look) = (&world.materials[index], &self.looks[index]);
         let metallic = f64::from(material.metallic);
         let reflectivity = f64::from(material.reflectivity);
-        let albedo = look.base_color * ((1.0 - metallic) * (1.0 - reflectivity));
+        let diffuse = (1.0 - metallic) * (1.0 - reflectivity);
+        let passed = f64::from(material.diffuse_transmission.unwrap_or(0.0));
         let around = ambient(&self.sky, point.normal);
-        let mut light: DVec3 = look.emission + albedo * around;
-        for lamp in &world.lights {
-            light += albedo * incoming(self.rays.trees, lamp, &point) / PI;
+        let mut light = look.emission;
+        // Light on this side of the surface, and on its other side.
+        for (color, share, normal) in [
+            (look.base_color, 1.0 - passed, point.normal),
+            (
+                material.diffuse_transmission_color.as_dvec3(),
+                passed,
+                -point.normal,
+            ),
+        ] {
+            if share > 0.0 {
+                let point = SurfacePoint { normal, ..point };
+                let of = |lamp: &Light| incoming(self.rays.trees, lamp, &point);
+                let lamps: DVec3 = world.lights.iter().map(of).sum();
+                let lamps = lamps + self.sum_of_lamps(&point, of);
+                light += color * (diffuse * share) * (ambient(&self.sky, normal) + lamps / PI);
+            }
         }
-        let of = |lamp: &Light| incoming(self.rays.trees, lamp, &point);
-        light += albedo * self.sum_of_lamps(&point, of) / PI;
         let f0 = DVec3::splat(reflectivity).lerp(look.base_color, metallic);
         if bounces == 0 || !can_reflect(material, self.cutoff) {
             return light + f0 * around;

@@ -61,8 +61,8 @@ targets! {
     Surface = "surface": Rgba32Uint;
     /// Linear base color, occlusion and emitted radiance as 16-bit floats, and packed flags.
     Colors = "colors": Rgba32Uint;
-    /// Details, in layers: the colors again, then specular color and strength, and sheen; then clear coat normals
-    /// and tangents, where surfaces have them.
+    /// Details, in layers: the colors again, then specular color and strength, and sheen; then, where surfaces have them,
+    /// clear coat normals and reflectivities, tangents and diffuse roughness; then diffuse transmission.
     Details = "details": Rgba32Uint;
     /// View-independent radiance.
     Radiance = "radiance": Radiance;
@@ -162,12 +162,12 @@ impl Targets {
         full: bool,
         detail_layers: u32,
     ) -> Result<Self, GpuError> {
-        let layers = |target: Target| target.layers(detail_layers);
         let needed = |target: Target| written.contains(&target);
         gpu.check_texture_size("the picture", size[0], size[1])?;
         let pixels = u64::from(size[0]) * u64::from(size[1]);
         let filled = Target::ALL.into_iter().filter(|t| needed(*t));
-        let bytes = filled.map(|t| t.pixel_bytes(full) * u64::from(layers(t)) * pixels);
+        let bytes =
+            filled.map(|t| t.pixel_bytes(full) * u64::from(t.layers(detail_layers)) * pixels);
         let bytes = bytes.sum();
         if bytes > MAX_TARGET_BYTES {
             return Err(GpuError::Limit {
@@ -180,7 +180,7 @@ impl Targets {
         let textures = gpu.scoped("intermediate textures", || {
             let make = |target: Target| {
                 let [width, height] = if needed(target) { size } else { [1, 1] };
-                let size = [width, height, layers(target)];
+                let size = [width, height, target.layers(detail_layers)];
                 let format = target.format(full);
                 let texture = gpu.texture(target.name(), size, format, target.usage());
                 let view = texture.create_view(&wgpu::TextureViewDescriptor::default());

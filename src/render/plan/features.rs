@@ -1,7 +1,7 @@
 //! The table of features: parts of a frame that are left out where a scene does not need them. A new feature is a row
 //! here and the code in the shaders that its constant or its files switch.
 
-use reflet_scene::desc::{Method, PatternKind, PatternedKey, Trace};
+use reflet_scene::desc::{Method, PatternKind, Trace};
 
 use super::{
     environment_casts_rays,
@@ -132,7 +132,7 @@ features! {
     }
     /// Whether some material has a relief.
     bumps {
-        used: scene.paints(|m| m.patterned.iter().any(|p| p.value == PatternedKey::Bump)),
+        used: scene.is_general() || scene.paints(reflet_world::Material::has_relief),
         constant: HAS_BUMPS,
         dropped: "reliefs" => "no material has one";
     }

@@ -16,8 +16,9 @@ declared! {
     /// rotation onto a wall that faces +Z. Where decals overlap, later decals of the text lie above. All methods show
     /// them, also in reflections. A decal takes base color, metalness, roughness, reflectivity, emission and normal map
     /// of its material, with their textures and patterns, and the alpha as its coverage. Its emission is added to the
-    /// emission of the surface, and is never sampled as a light. A clear coat lies over decals. Glass passes less light
-    /// where a decal covers it, but its shadow stays clear.
+    /// emission of the surface, and is never sampled as a light. A clear coat lies over decals. Glass and paper pass less
+    /// light where a decal covers them, but the shadow of glass stays clear. A relief (`bump`) of the decal's material is
+    /// left out.
     ///
     /// - `parent`: `name` of an instance, or of a `[group.NAME]`: the decal's placement is then relative to it and
     ///   moves with it, and the decal is hidden with it. Default: none.

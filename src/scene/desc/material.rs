@@ -42,7 +42,7 @@ material! {
     ///
     /// A number or color whose kind says "or a table" varies over the surface where a pattern is written in its place:
     /// `roughness = { pattern = "noise", from = 0.1, to = 0.6, size_m = 0.2 }`. A track, a script or an override that
-    /// sets it replaces the pattern. At most 6 in a material. `"none"` in place of an image file leaves out the texture of a
+    /// sets it replaces the pattern. At most 6 in a material, with its `bump`. `"none"` in place of an image file leaves out the texture of a
     /// model's file, or of the material that this one extends.
     ///
     /// - `pattern`: a procedural pattern of two colors, in place of `checker` and of a base color texture.
@@ -133,7 +133,8 @@ material! {
         attenuation_distance_m under transmission under thickness_m under attenuation_color: f32, Number in ABOVE_0, "distance after which white light has that color, meters" of "volume/attenuationDistance" => such_as "1";
         /// Share of the diffuse light that a surface scatters to its other side rather than back, 0 to 1, as leaves, paper
         /// and lampshades do (`KHR_materials_diffuse_transmission`). Light goes through a surface as through a thin sheet,
-        /// whatever its `thickness_m`. Default 0, or the glTF value.
+        /// which both sides show; inside a solid of `transmission` with `thickness_m` this light is lost. Default 0, or the
+        /// glTF value.
         diffuse_transmission: f32, Number in UNIT, "share of diffuse light that passes" of "diffuse_transmission/diffuseTransmissionFactor" varies DiffuseTransmission => off "0";
         /// Color of the diffuse light that passes, three numbers 0 to 1; the base color does not tint it. Default white,
         /// or the glTF value.
@@ -231,6 +232,35 @@ pub struct PatternedDesc {
 }
 
 declared! {
+    /// `roughness = { pattern = "noise", from = 0.1, to = 0.6, size_m = 0.2 }`: a number of a material that varies over
+    /// the surface, in object space, between two values. Textures multiply it. Detail finer than a pixel shows its
+    /// mean.
+    ///
+    /// - `pattern`: kind of the pattern.
+    /// - `from`: value of the first part of the pattern, in the range of the number.
+    /// - `to`: value of the second part of the pattern, in the range of the number.
+    /// - `size_m`: size of one cell, brick, band or cloud, meters in object space, above 0.
+    /// - `axis`: direction of the pattern's own X, three numbers, not all 0; its Y and Z turn with it by the smallest
+    ///   rotation. Default [1, 0, 0].
+    /// - `offset_m`: place of the pattern's origin, meters in object space, three numbers. Default [0, 0, 0].
+    /// - `per_instance`: whether each instance, and each mesh of a model, shows another part of the pattern, as boards of one wood
+    ///   do; not of a gradient. Which parts changes with the number of instances before. Default false.
+    pub struct NumberPatternDesc(PatternedDesc);
+
+    /// `base_color = { pattern = "noise", from = "#803010", to = "#e0e0e0", size_m = 0.2 }`: as a number that follows a
+    /// pattern, with two colors.
+    ///
+    /// - `pattern`: kind of the pattern.
+    /// - `from`: color of the first part of the pattern, linear, or sRGB text, in the range of the color.
+    /// - `to`: color of the second part of the pattern, linear, or sRGB text, in the range of the color.
+    /// - `size_m`: size of one cell, brick, band or cloud, meters in object space, above 0.
+    /// - `axis`: direction of the pattern's own X, three numbers, not all 0; its Y and Z turn with it by the smallest
+    ///   rotation. Default [1, 0, 0].
+    /// - `offset_m`: place of the pattern's origin, meters in object space, three numbers. Default [0, 0, 0].
+    /// - `per_instance`: whether each instance, and each mesh of a model, shows another part of the pattern, as boards of one wood
+    ///   do; not of a gradient. Which parts changes with the number of instances before. Default false.
+    pub struct ColorPatternDesc;
+
     /// `[motion.material.NAME]`: tracks that change numbers of a `[material.NAME]`, wherever it is used. Values of a
     /// track outside of a number's range are clamped to it.
     #[derive(Clone, Debug, Default, PartialEq)]

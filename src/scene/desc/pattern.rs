@@ -2,7 +2,6 @@
 
 use glam::Vec3;
 
-use super::PatternedDesc;
 use crate::{
     range::{ABOVE_0, ANY, UNIT},
     table::{Keys, Section, Table, color::Color},
@@ -60,35 +59,6 @@ declared! {
     /// - `colors`: linear colors of the two parts of the pattern, each three numbers 0 to 1.
     /// - `size_m`: size of one cell, brick or cloud, meters in object space, above 0.
     pub struct PatternDesc(pub(super) CheckerDesc);
-
-    /// `roughness = { pattern = "noise", from = 0.1, to = 0.6, size_m = 0.2 }`: a number of a material that varies over
-    /// the surface, in object space, between two values. Textures multiply it. Detail finer than a pixel shows its
-    /// mean.
-    ///
-    /// - `pattern`: kind of the pattern.
-    /// - `from`: value of the first part of the pattern, in the range of the number.
-    /// - `to`: value of the second part of the pattern, in the range of the number.
-    /// - `size_m`: size of one cell, brick, band or cloud, meters in object space, above 0.
-    /// - `axis`: direction of the pattern's own X, three numbers, not all 0; its Y and Z turn with it by the smallest
-    ///   rotation. Default [1, 0, 0].
-    /// - `offset_m`: place of the pattern's origin, meters in object space, three numbers. Default [0, 0, 0].
-    /// - `per_instance`: whether each instance, and each mesh of a model, shows another part of the pattern, as boards of one wood
-    ///   do; not of a gradient. Which parts changes with the number of instances before. Default false.
-    pub struct NumberPatternDesc(pub(super) PatternedDesc);
-
-    /// `base_color = { pattern = "noise", from = "#803010", to = "#e0e0e0", size_m = 0.2 }`: as a number that follows a
-    /// pattern, with two colors.
-    ///
-    /// - `pattern`: kind of the pattern.
-    /// - `from`: color of the first part of the pattern, linear, or sRGB text, in the range of the color.
-    /// - `to`: color of the second part of the pattern, linear, or sRGB text, in the range of the color.
-    /// - `size_m`: size of one cell, brick, band or cloud, meters in object space, above 0.
-    /// - `axis`: direction of the pattern's own X, three numbers, not all 0; its Y and Z turn with it by the smallest
-    ///   rotation. Default [1, 0, 0].
-    /// - `offset_m`: place of the pattern's origin, meters in object space, three numbers. Default [0, 0, 0].
-    /// - `per_instance`: whether each instance, and each mesh of a model, shows another part of the pattern, as boards of one wood
-    ///   do; not of a gradient. Which parts changes with the number of instances before. Default false.
-    pub struct ColorPatternDesc;
 }
 
 /// A checker with a `kind`.

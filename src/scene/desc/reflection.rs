@@ -214,7 +214,7 @@ declared! {
         /// Size in pixels below which reflection rays skip a static instance, 0 or more: where no flat or convex
         /// reflector could show it as large as that, and mirrors in mirrors neither (the idea of Andrade et al.).
         /// Methods `rt` and `hybrid` decide it anew for each picture; shadows and light stay. Nothing is skipped where
-        /// a reflector is hollow or has a normal map, where something lets light through, and with `diffuse_bounces`
+        /// a reflector is hollow or has a normal map or a relief, where something lets light through, and with `diffuse_bounces`
         /// above 0. `reflet info` names what is skipped. Default 0: nothing.
         pub skip_px: f32 [FROM_0] = 0.0,
         /// Roughness below which `"auto"` materials reflect, 0 to 1. Rougher ones show only the environment and the

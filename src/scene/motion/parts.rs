@@ -26,7 +26,10 @@ pub enum Kind {
     FileMaterial,
 }
 
-const _: () = assert!(MATERIAL_FIELDS <= u64::BITS as usize, "a bit for each");
+const _: () = assert!(
+    MATERIAL_FIELDS <= u64::BITS as usize,
+    "a bit for each value"
+);
 
 /// Values that scripts have set in a frame: for each thing, bit `i` stands for field `i` of its table; of a node for
 /// its translation, rotation and scale.

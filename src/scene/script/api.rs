@@ -13,7 +13,7 @@ use serde::Deserialize;
 
 use super::{context::rig, limits::limits};
 use crate::{
-    desc::{CAMERA, LIGHT, MATERIAL},
+    desc::{CAMERA, LIGHT, MATERIAL, MaterialDesc},
     motion::DECAL,
     number::Field,
     script::{
@@ -45,19 +45,23 @@ pub struct Entry {
 }
 
 impl Entry {
-    /// Description for the manual, with `{camera}`, `{decal}`, `{light}` and `{material}` replaced by their keys.
+    /// Description for the manual, with `{camera}`, `{decal}`, `{light}` and `{material}` replaced by their keys, and
+    /// `{own}` by the keys that a material's own table must have before scripts set them.
     pub fn meaning(&self) -> String {
-        let text = self.text.replace("{camera}", &keys(&CAMERA));
-        let text = text.replace("{light}", &keys(&LIGHT));
-        let text = text.replace("{decal}", &keys(&DECAL));
-        text.replace("{material}", &keys(&MATERIAL))
+        let plain = MaterialDesc::default();
+        let is_own = |f: &&Field<_>| f.lacks(&plain).is_some_and(|own| own.starts_with(f.key));
+        let text = self.text.replace("{camera}", &keys(&CAMERA, "and"));
+        let text = text.replace("{light}", &keys(&LIGHT, "and"));
+        let text = text.replace("{decal}", &keys(&DECAL, "and"));
+        let text = text.replace("{own}", &keys(MATERIAL.iter().filter(is_own), "or"));
+        text.replace("{material}", &keys(&MATERIAL, "and"))
     }
 }
 
-fn keys<T>(fields: &[Field<T>]) -> String {
-    let keys: Vec<_> = fields.iter().map(|f| format!("`{}`", f.key)).collect();
-    match keys.split_last() {
-        Some((last, others)) => format!("{} and {last}", others.join(", ")),
+fn keys<'f, T: 'static>(fields: impl IntoIterator<Item = &'f Field<T>>, word: &str) -> String {
+    let keys = fields.into_iter().map(|f| format!("`{}`", f.key));
+    match keys.collect::<Vec<_>>().split_last() {
+        Some((last, others)) => format!("{} {word} {last}", others.join(", ")),
         None => String::new(),
     }
 }

@@ -5,7 +5,7 @@ use std::{collections::BTreeSet, path::Path};
 use super::{Fault, schema::Root, uri::shorten};
 use reflet_scene::{desc::LAYER_NUMBERS, diagnostic::Diagnostic};
 
-/// Supported extensions beside those of numbers of materials.
+/// Supported extensions that are not numbers of materials.
 const OTHERS: [&str; 16] = [
     "EXT_lights_image_based",
     "EXT_mesh_gpu_instancing",

@@ -1,5 +1,4 @@
-//! Material layers of the extensions KHR_materials_ior, _specular, _sheen, _transmission, _volume, _dispersion,
-//! _clearcoat, _iridescence and _anisotropy.
+//! Material layers of the extensions of glTF whose numbers the table of materials names.
 
 use glam::Vec3;
 

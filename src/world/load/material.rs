@@ -198,7 +198,7 @@ impl Loader<'_> {
         if let Some(thickness_m) = desc.thickness_m {
             material.solid = thickness_m > 0.0;
         }
-        if material.solid && material.passes_light() {
+        if material.solid && material.passes_light() || material.diffuse_transmission.is_some() {
             material.double_sided = true; // rays leave it through its back
         }
         for (texture, name) in scene_textures(desc) {
@@ -218,7 +218,7 @@ impl Loader<'_> {
                 "material \"{name}\" has more than {MOST_PATTERNED} patterns with those that are laid over it"
             );
             let error = error_at("too-many-patterns", &self.desc.own, message);
-            self.report_once(error.help("write a number in place of a pattern"));
+            self.report_once(error.help("leave one out, or write a number in its place"));
         }
     }
 

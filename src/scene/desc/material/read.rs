@@ -2,8 +2,11 @@
 
 use glam::Vec3;
 
-use super::{MATERIAL, MOST_PATTERNED, MaterialDesc, PatternedDesc, PatternedKey, reflectivity_of};
-use crate::desc::{At, ColorPatternDesc, NumberPatternDesc, PatternDesc, PatternKind};
+use super::{
+    ColorPatternDesc, MATERIAL, MOST_PATTERNED, MaterialDesc, NumberPatternDesc, PatternedDesc,
+    PatternedKey, reflectivity_of,
+};
+use crate::desc::{At, PatternDesc, PatternKind};
 use crate::syntax::Node;
 use crate::table::{Section, Table, ValueOr, color::Color, value::Value};
 use crate::{
@@ -42,7 +45,7 @@ impl Section for MaterialDesc {
         material.reflectivity = material.reflectivity.or(ior.map(reflectivity_of));
         if let Some(over) = patterned.iter().chain(&bump).nth(MOST_PATTERNED) {
             let message = format!("a material has at most {MOST_PATTERNED} patterns");
-            let help = "write a number in place of a pattern, or an image file for several of them";
+            let help = "leave one out, or write a number in place of a pattern, or an image file for several of them";
             t.refuse("too-many-patterns", over.value.key(), &message, help);
         }
         Some(Self {
