@@ -180,6 +180,37 @@ def test_layers_of_a_standard_surface(tmp_path: Path) -> None:
     assert 0.0 < extensions["KHR_materials_anisotropy"]["anisotropyStrength"] < 1.0
 
 
+OPEN_WALL = {"subsurface_weight": "float 0.6", "geometry_thin_walled": "boolean true"}
+WALL = {"subsurface": "float 0.6", "thin_walled": "boolean true", "coat": "float 1"}
+
+
+@pytest.mark.parametrize(
+    ("inputs", "through", "base"),
+    [
+        (OPEN_WALL, 0.3, 0.8 - 0.6 * 3 / 7),
+        (OPEN_WALL | {"subsurface_scatter_anisotropy": "float -1"}, 0.0, 0.44),
+        (OPEN_WALL | {"subsurface_scatter_anisotropy": "float 3"}, 0.6, 0.8),
+        (OPEN_WALL | {"subsurface_weight": "float 2"}, 0.5, 0.2),
+        (WALL | {"coat_color": "color3 0.5, 0.5, 0.5"}, 0.6, 0.4),
+    ],
+)
+def test_thin_walls_pass_diffuse_light(
+    tmp_path: Path, inputs: dict[str, str], through: float, base: float
+) -> None:
+    kind = "standard_surface" if "coat" in inputs else "open_pbr_surface"
+    colors = {"base_color": "color3 0.8, 0.8, 0.8", "subsurface_color": "color3 0.2, 0.2, 0.2"}
+    done = convert(tmp_path, document(surface(kind, **colors, **inputs)))
+    assert done.validated().passed
+    out_of_range = "float 3" in inputs.values() or "float 2" in inputs.values()
+    assert ("material-value-clamped" in done.warnings()) == out_of_range
+    entry = material(done)
+    name, color = "diffuseTransmission", 0.1 if "coat" in inputs else 0.2
+    fields = {f"{name}Factor": through, f"{name}ColorFactor": pytest.approx([color] * 3)}
+    found = entry.get("extensions", {}).get("KHR_materials_diffuse_transmission")
+    assert found == (pytest.approx(fields) if through else None)
+    assert entry["pbrMetallicRoughness"]["baseColorFactor"] == pytest.approx([base] * 3 + [1])
+
+
 def test_layers_of_gltf_pbr_are_carried_without_a_word(tmp_path: Path) -> None:
     inputs = {
         "transmission": "float 0.5",
@@ -201,13 +232,19 @@ def test_layers_of_gltf_pbr_are_carried_without_a_word(tmp_path: Path) -> None:
     assert entry["extensions"]["KHR_materials_volume"]["attenuationDistance"] == 2.0
 
 
-def test_a_lost_layer_is_found(tmp_path: Path) -> None:
-    done = convert(tmp_path, document(surface(transmission="float 1")))
+def test_a_lost_or_an_invented_layer_is_found(tmp_path: Path) -> None:
+    look_of = document(surface(transmission="float 1"))
 
     def opaque(out: Any) -> None:
         del out.gltf.materials[0].extensions["KHR_materials_transmission"]
 
-    expect_found(done, opaque)
+    expect_found(convert(tmp_path, look_of), opaque)
+
+    def translucent(out: Any) -> None:
+        fields = {"diffuseTransmissionFactor": 0.9}
+        out.gltf.materials[0].extensions["KHR_materials_diffuse_transmission"] = fields
+
+    expect_found(convert(tmp_path, look_of), translucent)
 
 
 UNFIT = texts_of("materialx/unfit") | {

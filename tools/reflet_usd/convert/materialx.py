@@ -37,7 +37,7 @@ class _Surface:
         self.read: set[str] = set()
         self.lost: list[str] = []
         self.absent_layers: list[str] = []
-        """Prefixes of the inputs of layers whose weight is 0."""
+        """Prefixes of inputs that change nothing, as the weight of their layer is 0."""
 
     def get(self, name: str, default: Numbers) -> Source:
         """Value of an input, as wide as `default`."""
@@ -58,6 +58,14 @@ class _Surface:
         message = f"glTF has no texture for '{name}', taken as {default:g}"
         self.reader.context.ledger.warn("material-texture-dropped", self.reader.material, message)
         return default
+
+    def clamped(self, name: str, value: float, least: float) -> float:
+        """Value of an input within `least`…1, with a warning where it lies outside."""
+        within = min(max(value, least), 1.0)
+        if within != value:
+            message = f"'{name}' {value:g} is outside {least:g}…1, clamped"
+            self.reader.context.ledger.warn("material-value-clamped", self.reader.material, message)
+        return within
 
     def weight(self, name: str, layer: str) -> Source:
         """Weight of a layer whose other inputs begin with `layer`."""
@@ -128,9 +136,10 @@ def _standard_surface(surface: _Surface) -> dict[str, Source]:
     base = surface.times(
         "base_color", surface.get("base_color", _GRAY), surface.get("base", (1.0,))
     )
-    base = _scattering(surface, base, "subsurface", _WHITE)
-    base = _transmitting(surface, inputs, base, "transmission", "thin_walled")
-    inputs["diffuseColor"] = _under_coat(surface, base, inputs["clearcoat"])
+    thin = surface.number("thin_walled", 0.0) != 0.0
+    base = _scattering(surface, inputs, base, "subsurface", thin)
+    base = _transmitting(surface, inputs, base, "transmission", thin)
+    _set_under_coat(surface, inputs, base)
     abbe = surface.number("transmission_dispersion", 0.0)
     inputs["dispersion"] = Constant((_ABBE_OF_ONE / abbe if abbe > 0.0 else 0.0,))
     sheen = surface.weight("sheen", "sheen_")
@@ -161,9 +170,10 @@ def _open_pbr(surface: _Surface) -> dict[str, Source]:
     }
     weight = surface.get("base_weight", (1.0,))
     base = surface.times("base_color", surface.get("base_color", _GRAY), weight)
-    base = _scattering(surface, base, "subsurface_weight", _GRAY)
-    base = _transmitting(surface, inputs, base, "transmission_weight", "geometry_thin_walled")
-    inputs["diffuseColor"] = _under_coat(surface, base, inputs["clearcoat"])
+    thin = surface.number("geometry_thin_walled", 0.0) != 0.0
+    base = _scattering(surface, inputs, base, "subsurface_weight", thin)
+    base = _transmitting(surface, inputs, base, "transmission_weight", thin)
+    _set_under_coat(surface, inputs, base)
     share = surface.number("transmission_dispersion_scale", 0.0)
     abbe = surface.number("transmission_dispersion_abbe_number", 20.0)
     inputs["dispersion"] = Constant((share * _ABBE_OF_ONE / abbe if abbe > 0.0 else 0.0,))
@@ -236,17 +246,35 @@ def _normals(surface: _Surface, normal: str, coat_normal: str) -> dict[str, Sour
     return {name: source for name, source in found.items() if source is not None}
 
 
-def _scattering(surface: _Surface, base: Source, weight_name: str, white: Numbers) -> Source:
-    """Base color with the subsurface color, at its weight."""
+def _scattering(
+    surface: _Surface, inputs: dict[str, Source], base: Source, weight_name: str, thin: bool
+) -> Source:
+    """Base color with the subsurface color, at its weight.
+
+    Thin walls scatter a share of the light that reaches this color to their other side, which is
+    diffuse transmission: all of it in MaterialX's graph of standard surface, by the anisotropy in
+    OpenPBR (version 1.1, "Thin-walled case").
+    """
+    is_open = weight_name == "subsurface_weight"
     weight = surface.weight(weight_name, "subsurface_")
-    color = surface.get("subsurface_color", white)
-    if weight != Constant((0.0,)):
+    color = surface.get("subsurface_color", _GRAY if is_open else _WHITE)
+    if thin and isinstance(weight, Constant) and weight.value[0] != 0.0:
+        surface.absent_layers += ["subsurface_radius", "subsurface_scale"]
+        share, forward = surface.clamped(weight_name, weight.value[0], 0.0), 1.0
+        if is_open:
+            name = "subsurface_scatter_anisotropy"
+            forward = 0.5 + 0.5 * surface.clamped(name, surface.number(name, 0.0), -1.0)
+        through = forward * share
+        inputs["diffuseTransmission"] = Constant((through,))
+        inputs["diffuseTransmissionColor"] = color
+        weight = Constant(((share - through) / max(1.0 - through, 1e-6),))
+    elif weight != Constant((0.0,)):
         surface.lost.append(weight_name)
     return surface.mix("subsurface_color", base, color, weight)
 
 
 def _transmitting(
-    surface: _Surface, inputs: dict[str, Source], base: Source, weight_name: str, thin_name: str
+    surface: _Surface, inputs: dict[str, Source], base: Source, weight_name: str, thin: bool
 ) -> Source:
     """Set transmission and volume; returns the base color, which tints what glTF transmits."""
     weight = surface.weight(weight_name, "transmission_")
@@ -254,7 +282,6 @@ def _transmitting(
     depth = surface.number("transmission_depth", 0.0)
     meters = surface.reader.context.meters_per_unit
     inputs["transmission"] = weight
-    thin = surface.number(thin_name, 0.0) != 0.0
     inputs["thickness"] = Constant((0.0 if thin else meters,))
     if depth > 0.0 and not thin:
         inputs["attenuationColor"] = color
@@ -263,11 +290,14 @@ def _transmitting(
     return surface.mix("transmission_color", base, color, weight)
 
 
-def _under_coat(surface: _Surface, base: Source, coat: Source) -> Source:
-    """Base color as the tinted coat shows it."""
+def _set_under_coat(surface: _Surface, inputs: dict[str, Source], base: Source) -> None:
+    """Set the colors of diffuse light as the tinted coat shows them."""
     color = surface.get("coat_color", _WHITE)
-    tint = surface.mix("coat_color", Constant(_WHITE), color, coat)
-    return surface.times("coat_color", base, tint)
+    tint = surface.mix("coat_color", Constant(_WHITE), color, inputs["clearcoat"])
+    inputs["diffuseColor"] = base
+    for name in ("diffuseColor", "diffuseTransmissionColor"):
+        if name in inputs:
+            inputs[name] = surface.times("coat_color", inputs[name], tint)
 
 
 def _root(surface: _Surface, name: str, default: float) -> Source:

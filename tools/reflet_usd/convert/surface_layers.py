@@ -23,6 +23,8 @@ _LAYER_INPUTS: dict[str, tuple[float, ...]] = {
     "iridescenceIor": (1.3,),
     "iridescenceThickness": (100.0,),
     "diffuseRoughness": (0.0,),
+    "diffuseTransmission": (0.0,),
+    "diffuseTransmissionColor": (1.0, 1.0, 1.0),
     "clearcoatIor": (1.5,),
     "coatNormal": (0.0, 0.0, 1.0),
 }
@@ -46,6 +48,7 @@ class LayeredMaterial(PreviewMaterial):
             self._anisotropy(),
             self._iridescence(),
             self._rough_diffuse(),
+            self._diffuse_transmission(),
         )
         self.extend(entry, {name: fields for name, fields in layers if fields})
         coat = entry.get("extensions", {}).get("KHR_materials_clearcoat")
@@ -134,6 +137,15 @@ class LayeredMaterial(PreviewMaterial):
         roughness = self._unit("diffuseRoughness")[0]
         fields = {"diffuseRoughnessFactor": roughness} if roughness > 0.0 else {}
         return "KHR_materials_diffuse_roughness", fields
+
+    def _diffuse_transmission(self) -> tuple[str, dict[str, Any]]:
+        share = self._unit("diffuseTransmission")[0]
+        if share == 0.0:
+            return "", {}
+        color = self._color("diffuseTransmissionColor", "diffuseTransmissionColor")
+        if len(color) == 1:  # no texture
+            color["diffuseTransmissionColorFactor"] = list(self._unit("diffuseTransmissionColor"))
+        return "KHR_materials_diffuse_transmission", {"diffuseTransmissionFactor": share, **color}
 
     def _iridescence(self) -> tuple[str, dict[str, Any]]:
         fields = self._number("iridescence", "iridescence", _RED)

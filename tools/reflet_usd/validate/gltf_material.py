@@ -45,6 +45,21 @@ _PLACES = {
     ),
     "clearcoatIor": _Place("clearcoat_ior", "", "clearcoatIor", (1.5,), [0]),
     "diffuseRoughness": _Place("diffuse_roughness", "", "diffuseRoughnessFactor", (0.0,), [0]),
+    "diffuseTransmission": _Place(
+        "diffuse_transmission",
+        "diffuseTransmissionTexture",
+        "diffuseTransmissionFactor",
+        (0.0,),
+        [3],
+    ),
+    "diffuseTransmissionColor": _Place(
+        "diffuse_transmission",
+        "diffuseTransmissionColorTexture",
+        "diffuseTransmissionColorFactor",
+        _WHITE,
+        _RGB,
+        True,
+    ),
     "specular": _Place("specular", "specularTexture", "specularFactor", (1.0,), [3]),
     "specularTint": _Place(
         "specular", "specularColorTexture", "specularColorFactor", _WHITE, _RGB, True

@@ -36,6 +36,8 @@ _MANY = 512
 LAYERS = (
     "clearcoatIor",
     "diffuseRoughness",
+    "diffuseTransmission",
+    "diffuseTransmissionColor",
     "specular",
     "specularTint",
     "sheenColor",
@@ -51,7 +53,7 @@ _CLEAR = "clear"
 _CLEAR_PARTS = ("KHR_materials_transmission", "specularFactor", "clearcoatNormalTexture")
 """Parts of such a material that no other UsdPreviewSurface has."""
 _NOT_EVALUATED = PreviewInput(None, None, "not given")
-_ENCODED = ("diffuseColor", "emissiveColor", "specularColor")
+_ENCODED = ("diffuseColor", "diffuseTransmissionColor", "emissiveColor", "specularColor")
 _NEUTRAL = {"displacement": (0.0,), "normal": (0.0, 0.0, 1.0), "occlusion": (1.0,)}
 _WHOLE = ("useSpecularWorkflow", "opacityThreshold", "ior")
 """Inputs that are one number for a whole glTF material."""

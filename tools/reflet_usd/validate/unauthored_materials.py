@@ -37,7 +37,8 @@ _ATTRIBUTES = re.compile(r"POSITION|NORMAL|TEXCOORD_\d+|COLOR_0|JOINTS_\d+|WEIGH
 
 
 _LAYERS = re.compile(
-    "KHR_materials_(specular|sheen|transmission|volume|dispersion|iridescence|anisotropy|clearcoat|diffuse_roughness)"
+    "KHR_materials_(specular|sheen|transmission|volume|dispersion|iridescence|anisotropy|clearcoat"
+    "|diffuse_roughness|diffuse_transmission)"
 )
 """Extensions that hold the layers of MaterialX's surfaces."""
 

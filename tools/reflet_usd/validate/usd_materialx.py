@@ -4,6 +4,7 @@ Every channel is evaluated as a function of texture coordinates; the documentati
 gives the rules.
 """
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -16,6 +17,8 @@ from .usd_node_values import NodeValues, UnknownError
 GLTF_SURFACE = "ND_gltf_pbr_surfaceshader"
 _WHITE, _GRAY, _BLACK = (1.0,) * 3, (0.8,) * 3, (0.0,) * 3
 _FEW = 4
+_SOMEWHERE = np.random.default_rng(0).random((16, 2))
+"""Texture coordinates at which an input that is one number has one value."""
 Function = Callable[[Array], Array]
 
 
@@ -120,14 +123,16 @@ class _Rules:
         return lambda st: self.nodes.value(self.shader, name, default, st)
 
     def number(self, name: str, default: float) -> float:
-        """An input that is one number for a whole glTF material; its default for a texture."""
-        nothing = np.zeros((1, 2))
-        known = len(self.nodes.images)
+        """An input that is one number for a whole glTF material; its default where it varies."""
+        known, self.nodes.images = self.nodes.images, set()
         try:
-            value = float(self.of(name, default)(nothing)[0, 0])
-        except UnknownError:
-            return default
-        return default if len(self.nodes.images) > known else value
+            values = self.of(name, default)(_SOMEWHERE)[:, 0]
+            one = np.full(len(values), values[0])
+            varies = bool(self.nodes.images) or not np.array_equal(values, one, equal_nan=True)
+        except (UnknownError, ValueError):
+            varies = True
+        self.nodes.images |= known
+        return default if varies else float(values[0])
 
     def _layered(self) -> dict[str, Function]:
         """Channels of standard surface and OpenPBR."""
@@ -144,10 +149,21 @@ class _Rules:
         fuzz, fuzz_color = self.of("sheen", 0.0), self.of("sheen_color", *_WHITE)
         absorbs = depth > 0.0 and not thin
 
+        # Thin walls whose weight is a number pass a share of the light from their other side.
+        share = self.number("subsurface", math.nan)
+        forward = self.number("subsurface_scatter_anisotropy", 0.0) if is_open else 1.0
+        passed = 0.0
+        if thin and share != 0.0 and not math.isnan(share):
+            share = min(max(share, 0.0), 1.0)
+            passed = share * (1.0 + min(max(forward, -1.0), 1.0)) / 2.0
+            under = _constant((share - passed) / max(1.0 - passed, 1e-6))
+
+        def below_coat(shown: Array, st: Array) -> Array:
+            return shown * _mix(np.ones(3), coat_tint(st), coat(st))
+
         def color(st: Array) -> Array:
             shown = _mix(base(st) * weight(st), scattered(st), under(st))
-            shown = _mix(shown, np.ones(3) if absorbs else tint(st), through(st))
-            return shown * _mix(np.ones(3), coat_tint(st), coat(st))
+            return below_coat(_mix(shown, np.ones(3) if absorbs else tint(st), through(st)), st)
 
         rough_base = self.number("base_diffuse_roughness" if is_open else "diffuse_roughness", 0.0)
         coat_ior = self.number("coat_ior" if is_open else "coat_IOR", 1.6 if is_open else 1.5)
@@ -162,18 +178,21 @@ class _Rules:
             "normal": self.of("normal", 0.0, 0.0, 1.0),
             "clearcoat": coat,
             "clearcoatRoughness": self.of("coat_roughness", 0.0 if is_open else 0.1),
-            "clearcoatIor": lambda st: np.full((len(st), 1), coat_ior),
-            "diffuseRoughness": lambda st: np.full((len(st), 1), rough_base),
+            "clearcoatIor": _constant(coat_ior),
+            "diffuseRoughness": _constant(rough_base),
             "emissiveColor": lambda st: glow(st) * nits(st),
             "specular": self.of("specular", 1.0),
             "specularTint": self.of("specular_color", *_WHITE),
             "sheenColor": lambda st: fuzz_color(st) * fuzz(st),
             "transmission": through,
-            "thickness": lambda st: np.full((len(st), 1), 0.0 if thin else self.meters),
+            "thickness": _constant(0.0 if thin else self.meters),
         }
+        functions["diffuseTransmission"] = _constant(passed)
+        if passed > 0.0:
+            functions["diffuseTransmissionColor"] = lambda st: below_coat(scattered(st), st)
         if absorbs:
             functions["attenuationColor"] = tint
-            functions["attenuationDistance"] = lambda st: np.full((len(st), 1), depth * self.meters)
+            functions["attenuationDistance"] = _constant(depth * self.meters)
         return functions
 
     def _gltf(self) -> dict[str, Function]:
@@ -193,6 +212,7 @@ class _Rules:
             "specular": self.of("specular", 1.0),
             "specularTint": self.of("specular_color", *_WHITE),
             "sheenColor": self.of("sheen_color", *_BLACK),
+            "diffuseTransmission": _constant(0.0),
             "transmission": self.of("transmission", 0.0),
             "thickness": lambda st: thickness(st) * self.meters,
         }
@@ -201,8 +221,12 @@ class _Rules:
             functions["opacity"] = self.of("alpha", 1.0)
         if mode == 1:
             cutoff = self.number("alpha_cutoff", 0.5)
-            functions["opacityThreshold"] = lambda st: np.full((len(st), 1), cutoff)
+            functions["opacityThreshold"] = _constant(cutoff)
         return functions
+
+
+def _constant(value: float) -> Function:
+    return lambda st: np.full((len(st), 1), value)
 
 
 def _mix(ground: Array, figure: Array, share: Array) -> Array:
