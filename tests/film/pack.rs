@@ -182,23 +182,29 @@ fn a_pack_that_was_tampered_with_leaves_no_folder() {
     assert!(errors.contains("absent.zip"), "{errors}");
 }
 
-/// A pack with a file so long that a signal can come while it is extracted.
+/// So many MiB of random bytes, one MiB again and again: compression looks less far back, and shortens nothing.
 #[cfg(unix)]
-fn long_pack(path: &Path) {
+fn noise(mib: usize) -> Vec<u8> {
     let mut state = 0x5EED_u64;
-    let noise = (0..12 << 20).flat_map(|_| {
+    let words = std::iter::repeat_with(|| {
         state ^= state << 13;
         state ^= state >> 7;
         state ^= state << 17;
         state.to_le_bytes()
     });
+    words.take(1 << 17).collect::<Vec<_>>().concat().repeat(mib)
+}
+
+/// A pack with a file so long that a signal can come while it is extracted.
+#[cfg(unix)]
+fn long_pack(path: &Path) {
     let scene = b"version = 1\n".to_vec();
     let manifest = Manifest {
         variant: vec!["-dark".to_owned()],
         ..Manifest::new("scene.toml".to_owned(), "0")
     };
     let mut pack = PackWriter::new(fs::File::create(path).expect("a file"), manifest);
-    for (name, bytes) in [("noise", noise.collect()), ("scene.toml", scene)] {
+    for (name, bytes) in [("noise", noise(64)), ("scene.toml", scene)] {
         let added = pack.add(name, bytes.len() as u64, &bytes[..], |e| e, |e| e);
         added.expect("written");
     }
@@ -263,12 +269,7 @@ fn a_signal_leaves_no_part_of_a_pack() {
         .iter()
         .flat_map(|x| x.to_le_bytes())
         .collect();
-    // Bytes that do not repeat take long to compress.
-    let mut state = 1_u32;
-    bytes.extend((0..32 << 20).map(|_| {
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (state >> 24) as u8
-    }));
+    bytes.extend(noise(32));
     fs::write(top.join("long.bin"), bytes).expect("written");
     fs::write(top.join("long.gltf"), gltf).expect("written");
     let mut command = reflet(&top, "pack long.gltf -o long.zip");
