@@ -22,7 +22,7 @@ for argument in "$@"; do
     esac
 done
 readonly full
-# Tests that take one case of several have all of them.
+# Tests that take some of their cases daily take all.
 [ "$full" = no ] || export REFLET_LONG=1
 
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"

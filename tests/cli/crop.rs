@@ -1,6 +1,7 @@
 //! `render --crop`: the pixels of the whole picture, and no others.
 
 use super::*;
+use crate::common::first_or_all;
 
 /// Pixels of a PNG in a rectangle.
 fn part(path: &Path, [x, y, width, height]: [u32; 4]) -> Vec<u8> {
@@ -10,22 +11,29 @@ fn part(path: &Path, [x, y, width, height]: [u32; 4]) -> Vec<u8> {
         .into_raw()
 }
 
-/// Crops by these settings have the pixels of the whole picture; returns the folder with them.
-fn check_crops(folder_name: &str, kinds: &[(&str, &str)]) -> PathBuf {
-    let folder = folder(folder_name);
+#[test]
+fn a_crop_has_the_pixels_of_the_whole_picture() {
+    or_skip!(gpu_or_skip());
+    let folder = folder("crop");
     let lamp = "[light.lamp]\nkind = \"rect\"\nposition = [1, 3, 1]\ntarget = [0, 0, 0]\nsize = [1, 1]\nintensity_cd = 9\n";
     // A rough floor is smoothed over neighbors, also of the surroundings of the crop.
     let scene = SCENE.replace("roughness = 0\n", "roughness = 0.1\n");
     fs::write(folder.join("scene.toml"), format!("{scene}{lamp}")).expect("written");
-    for (name, settings) in kinds {
+    let kinds = [
+        ("path", "--method path --set reflection.diffuse_bounces=2"),
+        ("hybrid", "--method hybrid --aov depth"),
+        ("fog", "--method rt --set environment.fog.density=0.05"),
+        (
+            "alone",
+            "--method hybrid --set reflection.reuse_light=false --samples 20",
+        ),
+    ];
+    for (name, settings) in first_or_all(&kinds, 2) {
         let settings: Vec<_> = settings.split(' ').collect();
         let [whole, crop] = ["whole", "crop"].map(|kind| format!("{kind}-{name}.png"));
         let render = ["render", "scene.toml", "--size", "96x24"];
-        exits(
-            &folder,
-            [&render[..], &settings, &["-o", &whole]].concat(),
-            0,
-        );
+        let whole_picture = [&render[..], &settings, &["-o", &whole]].concat();
+        exits(&folder, whole_picture, 0);
         let only = ["--crop", "9,7,16,11", "-o", &crop];
         exits(&folder, [&render[..], &settings, &only].concat(), 0);
         let want = part(&folder.join(&whole), [9, 7, 16, 11]);
@@ -33,37 +41,8 @@ fn check_crops(folder_name: &str, kinds: &[(&str, &str)]) -> PathBuf {
         let size = image::image_dimensions(folder.join(&crop)).expect("a PNG");
         assert_eq!(size, (16, 11), "{name}");
     }
-    folder
-}
-
-#[test]
-fn a_crop_has_the_pixels_of_the_whole_picture() {
-    or_skip!(gpu_or_skip());
-    let folder = check_crops(
-        "crop",
-        &[
-            ("path", "--method path --set reflection.diffuse_bounces=2"),
-            ("hybrid", "--method hybrid --aov depth"),
-        ],
-    );
     let size = image::image_dimensions(folder.join("crop-hybrid.depth.png")).expect("a PNG");
     assert_eq!(size, (16, 11));
-}
-
-#[test]
-#[ignore = "long: the same by further pipelines"]
-fn a_crop_in_fog_and_without_reused_light_has_the_pixels_of_the_whole_picture() {
-    or_skip!(gpu_or_skip());
-    check_crops(
-        "crop-further",
-        &[
-            ("fog", "--method rt --set environment.fog.density=0.05"),
-            (
-                "alone",
-                "--method hybrid --set reflection.reuse_light=false --samples 20",
-            ),
-        ],
-    );
 }
 
 #[test]

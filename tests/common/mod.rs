@@ -109,6 +109,22 @@ pub fn words(line: &str) -> Vec<&str> {
     line.split(' ').collect()
 }
 
+/// Whether tests that take some of their cases daily take all cases: `REFLET_LONG=1`, which `tools/check.sh --full` sets.
+pub fn is_long() -> bool {
+    std::env::var_os("REFLET_LONG").is_some_and(|value| value != "0")
+}
+
+/// The first `count` cases of a list; all cases where [`is_long`] says so.
+pub fn first_or_all<T>(cases: &[T], count: usize) -> &[T] {
+    &cases[..if is_long() { cases.len() } else { count }]
+}
+
+/// Every `step`-th case; all cases where [`is_long`] says so.
+pub fn sampled<T>(cases: Vec<T>, step: usize) -> Vec<T> {
+    let step = if is_long() { 1 } else { step };
+    cases.into_iter().step_by(step).collect()
+}
+
 /// Cases of a text, each one or more lines and then `=> ` with the consequence. Lines that begin with `//` before a
 /// case are comments.
 pub fn cases(text: &'static str) -> Vec<(&'static str, &'static str)> {

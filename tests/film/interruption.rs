@@ -9,7 +9,7 @@ use std::{
 };
 
 use super::*;
-use crate::common::program::signal;
+use crate::common::{is_long, program::signal};
 
 /// Many small frames, so that kills occur between, during and after them.
 const FRAMES: &str = "-o f.##.png --set timeline.end=23 --aov depth --resume";
@@ -64,9 +64,9 @@ const PATIENCE: u32 = 60;
 
 /// Ends a sequence at `rounds` random times, alternating SIGKILL and SIGTERM, and at some more times if
 /// none of them left it incomplete.
-fn end_at_random_moments(name: &str, rounds: u32) {
+fn end_at_random_moments(rounds: u32) {
     or_skip!(gpu_or_skip());
-    let whole = folder(&format!("{name}-whole"));
+    let whole = folder("kills-whole");
     let started = Instant::now();
     let (code, text) = end(start(&whole, FRAMES));
     let run_s = started.elapsed().as_secs_f64();
@@ -74,7 +74,7 @@ fn end_at_random_moments(name: &str, rounds: u32) {
     let whole = pictures(&whole);
     assert_eq!(whole.len(), 48);
 
-    let folder = folder(name);
+    let folder = folder("kills");
     let mut chance = Chance(0x5EED);
     let mut before = BTreeMap::new();
     let (mut ended_early, mut part_done) = (0, 0);
@@ -118,23 +118,17 @@ fn end_at_random_moments(name: &str, rounds: u32) {
 }
 
 #[test]
-fn a_few_kills_lose_nothing() {
-    end_at_random_moments("kills", 8);
-}
-
-#[test]
-#[ignore = "takes a minute; tools/check.sh --full runs it"]
-fn a_hundred_kills_lose_nothing() {
-    end_at_random_moments("kills-100", 100);
+fn kills_lose_nothing() {
+    end_at_random_moments(if is_long() { 100 } else { 8 });
 }
 
 /// Ends a video file at random times: its path holds the complete old or the complete new film.
-fn end_a_film_at_random_moments(name: &str, rounds: u32) {
+fn end_a_film_at_random_moments(rounds: u32) {
     if gpu_or_skip().is_none() || !super::ffmpeg::is_there("ffmpeg") {
         return;
     }
     for film in ["f.apng", "f.mp4"] {
-        let folder = folder(&format!("{name}-{film}"));
+        let folder = folder(&format!("film-kills-{film}"));
         let arguments = format!("-o {film} --set timeline.end=23");
         let started = Instant::now();
         assert_eq!(end(start(&folder, &arguments)).0, 0);
@@ -176,14 +170,8 @@ fn end_a_film_at_random_moments(name: &str, rounds: u32) {
 }
 
 #[test]
-fn a_few_kills_leave_no_film_in_part() {
-    end_a_film_at_random_moments("film-kills", 4);
-}
-
-#[test]
-#[ignore = "takes minutes; tools/check.sh --full runs it"]
-fn a_hundred_kills_leave_no_film_in_part() {
-    end_a_film_at_random_moments("film-kills-100", 50);
+fn kills_leave_no_film_in_part() {
+    end_a_film_at_random_moments(if is_long() { 50 } else { 4 });
 }
 
 /// Sends a signal after the first frame is reported, when the signal handler is installed.

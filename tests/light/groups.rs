@@ -45,13 +45,9 @@ fn excess(whole: &Picture, parts: &[Picture]) -> f32 {
 
 #[test]
 fn groups_add_up_to_the_whole_picture() {
-    check_sum("hybrid");
-}
-
-#[test]
-#[ignore = "long: pipelines of paths for each group"]
-fn groups_of_paths_add_up_to_the_whole_picture() {
-    check_sum("path");
+    first_or_all(&["hybrid", "path"], 1)
+        .iter()
+        .for_each(|method| check_sum(method));
 }
 
 fn check_sum(method: &str) {

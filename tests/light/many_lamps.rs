@@ -61,13 +61,9 @@ fn error(a: &Picture, b: &[[f32; 3]]) -> f32 {
 /// Light adds up: two halves of the lamps are few enough for the array, and together make the picture of all.
 #[test]
 fn lamps_of_the_tree_light_as_those_of_the_array() {
-    check_halves("reflection.method=rt");
-}
-
-#[test]
-#[ignore = "long: the same by further pipelines"]
-fn lamps_of_the_tree_light_paths_as_those_of_the_array() {
-    check_halves("reflection.method=path");
+    first_or_all(&["reflection.method=rt", "reflection.method=path"], 1)
+        .iter()
+        .for_each(|method| check_halves(method));
 }
 
 fn check_halves(method: &str) {

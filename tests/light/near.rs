@@ -63,13 +63,10 @@ fn p99(a: &Picture, b: &Picture) -> f32 {
 #[test]
 fn scenes_of_all_sizes_give_the_same_picture() {
     check_scales("", "hybrid", "raster", &[1e-6, 0.1, 1e6]);
-}
-
-#[test]
-#[ignore = "long: the same by further pipelines"]
-fn scenes_of_all_sizes_give_the_same_picture_by_rays_and_through_glass() {
-    check_scales("", "rt", "rays", &[1e-6]);
-    check_scales(GLASS, "hybrid", "raster", &[1e-6]);
+    if is_long() {
+        check_scales("", "rt", "rays", &[1e-6]);
+        check_scales(GLASS, "hybrid", "raster", &[1e-6]);
+    }
 }
 
 /// Compares the stage with more things at these scales with itself at 1.

@@ -67,13 +67,13 @@ fn material(random: &mut Random) -> String {
 }
 
 /// Scene text of balls in rows that nearly touch, each with its own material.
-fn world(seed: u32) -> String {
+fn world(seed: u32, diffuse_bounces: u32) -> String {
     let mut random = Random(u64::from(seed) * 7919 + 1);
     // No features that need other shaders, which take long to compile.
     let cutoff = ["0.2", "1"][seed as usize % 2];
     let mut text = format!(
         "version = 1\n[image]\nsize = [40, 40]\nsamples = 4\n[camera.main]\neye = [0, 4, 9]\n\
-         target = [0, 0, 0]\n[reflection]\nmultiple_scattering = true\nroughness_cutoff = {cutoff}\nbounces = 6\ndiffuse_bounces = 2\n\
+         target = [0, 0, 0]\n[reflection]\nmultiple_scattering = true\nroughness_cutoff = {cutoff}\nbounces = 6\ndiffuse_bounces = {diffuse_bounces}\n\
          [environment]\nzenith = [0.5, 0.7, 1]\nhorizon = [0.4, 0.4, 0.4]\nground = [0, 0, 0]\n\
          shadow = \"ray\"\n\
          [light.key]\nkind = \"rect\"\nposition = [0, 3, 0]\ndirection = [0, -1, 0]\nsize = [3, 3]\n\
@@ -93,11 +93,11 @@ fn world(seed: u32) -> String {
 }
 
 /// Renders the worlds of these seeds; every number of every pixel must be finite and not negative.
-fn check(seeds: Range<u32>) {
+fn check(seeds: Range<u32>, diffuse_bounces: u32) {
     let Some(gpu) = gpu() else { return };
     let mut kept = None;
     for seed in seeds {
-        let text = world(seed);
+        let text = world(seed, diffuse_bounces);
         let (desc, world) = scene(&text, &["reflection.method=rt"]);
         let renderer = match &mut kept {
             None => kept.insert(renderer(gpu, &desc, &world, false)),
@@ -124,11 +124,9 @@ fn check(seeds: Range<u32>) {
 
 #[test]
 fn no_material_makes_a_pixel_that_is_no_number() {
-    check(0..1); // the other limit of roughness needs pipelines of its own, which take half a minute to compile
-}
-
-#[test]
-#[ignore = "takes a minute; tools/check.sh --full runs it"]
-fn none_of_more_materials_makes_a_pixel_that_is_no_number() {
-    check(1..8);
+    // The other limit of roughness and paths of scattered light need pipelines that take half a minute to compile.
+    check(0..1, 0);
+    if is_long() {
+        check(0..8, 2);
+    }
 }

@@ -42,16 +42,11 @@ fn shown(gpu: &Gpu, (desc, world): &(SceneDesc, World), visibility: Visibility) 
 fn pictures_do_not_depend_on_how_the_device_holds_and_reads_geometry() {
     check_buffers(&[(Visibility::Rays, Some(2 * SMALL_BYTES))]);
     check_reading(Visibility::Raster);
-}
-
-#[test]
-#[ignore = "long: the same by further pipelines"]
-fn pictures_by_further_pipelines_do_not_depend_on_the_device() {
-    check_buffers(&[
-        (Visibility::Raster, None),
-        (Visibility::Raster, Some(2 * SMALL_BYTES)),
-    ]);
-    check_reading(Visibility::Rays);
+    if is_long() {
+        let further = [None, Some(2 * SMALL_BYTES)];
+        check_buffers(&further.map(|bytes| (Visibility::Raster, bytes)));
+        check_reading(Visibility::Rays);
+    }
 }
 
 fn check_equal(a: &Picture, b: &Picture, case: &str) {

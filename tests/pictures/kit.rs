@@ -9,7 +9,7 @@ use reflet::{
 };
 
 // Names that most tests of pictures need, beside the functions below.
-pub use crate::common::{folder::kept_folder, gpu_or_skip, shaders};
+pub use crate::common::{first_or_all, folder::kept_folder, gpu_or_skip, is_long, shaders};
 pub use glam::Vec3;
 pub use reflet::{
     gpu::Gpu,
@@ -26,12 +26,6 @@ pub use std::{f32::consts::PI, fs, path::Path};
 pub fn gpu() -> Option<&'static Gpu> {
     static GPU: OnceLock<Option<Gpu>> = OnceLock::new();
     GPU.get_or_init(gpu_or_skip).as_ref()
-}
-
-/// The first cases of a list; all of them with `REFLET_LONG`, which `tools/check.sh --full` sets.
-pub fn first_or_all<T>(cases: &[T], count: usize) -> &[T] {
-    let count = std::env::var_os("REFLET_LONG").map_or(count, |_| cases.len());
-    &cases[..count]
 }
 
 /// Scene and world from text with `--set` overrides.

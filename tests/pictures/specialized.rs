@@ -104,10 +104,10 @@ fn is_slow(path: &Path) -> bool {
 }
 
 /// Scenes that together drop every feature that some scene drops, and keep every feature that some scene keeps.
-const FEW: [&str; 3] = [
-    "scenes/cornell.toml",
-    "scenes/mirrors.toml",
-    "scripts/walk.toml",
+const FEW: [(&str, &[&str]); 3] = [
+    ("scenes/cornell.toml", &[]),
+    ("scenes/mirrors.toml", &["image.visibility=rays"]),
+    ("scripts/walk.toml", &[]),
 ];
 
 fn compare_shipped(wanted: impl Fn(&Path) -> bool) {
@@ -125,8 +125,9 @@ fn the_specialized_frame_equals_the_general_one() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut compared = HashSet::new();
     let mut dropped = HashSet::new();
-    for scene in FEW {
-        dropped.extend(compare(&root.join(scene), None, &[SMALL], &mut compared));
+    for (scene, choices) in FEW {
+        let set = [&[SMALL][..], choices].concat();
+        dropped.extend(compare(&root.join(scene), None, &set, &mut compared));
     }
     assert!(gpu().is_none() || dropped.len() >= 20, "{dropped:?}");
     assert!(gpu().is_none() || compared.len() == FEW.len());
@@ -145,14 +146,10 @@ fn the_specialized_frame_of_slow_scenes_equals_the_general_one() {
 }
 
 #[test]
-fn so_it_does_with_rays_for_visibility() {
-    compare_choices(&[("scenes/atrium.toml", &["image.visibility=rays"])]);
-}
-
-#[test]
 #[ignore = "long: the same choices in other scenes"]
 fn so_do_further_scenes_with_rays_and_other_methods() {
-    compare_choices(&[
+    let choices: [(&str, &[&str]); 6] = [
+        ("scenes/atrium.toml", &["image.visibility=rays"]),
         ("scenes/atrium.toml", &["reflection.method=rt"]),
         (
             "scenes/cornell.toml",
@@ -161,10 +158,7 @@ fn so_do_further_scenes_with_rays_and_other_methods() {
         ("scenes/cornell.toml", &["material.lamp.light=true"]),
         ("scripts/gears.toml", &["image.visibility=rays"]),
         ("scripts/gears.toml", &["reflection.method=rt"]),
-    ]);
-}
-
-fn compare_choices(choices: &[(&str, &[&str])]) {
+    ];
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     for (scene, choices) in choices {
         let set = [&[SMALL][..], choices].concat();

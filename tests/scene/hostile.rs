@@ -25,14 +25,14 @@ fn depth_neither_overflows_the_stack_nor_hangs() {
 
 #[test]
 fn size_neither_floods_nor_takes_quadratic_time() {
-    let many = 50_000;
+    let many = 20_000;
     let all = errors(&format!(
         "version = 1\n[camera.main]\neye = [{}]",
         "0,".repeat(many)
     ));
     assert_eq!(
         all[0].message,
-        "`eye` must be three numbers, not an array of 50000 values"
+        "`eye` must be three numbers, not an array of 20000 values"
     );
     let keys: String = (0..many).map(|i| format!("k{i} = 1\n")).collect();
     assert_eq!(errors(&keys).len(), 101);

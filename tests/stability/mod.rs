@@ -8,7 +8,7 @@ use std::{
 use crate::common::{
     assert_says,
     folder::kept_folder,
-    gpu_or_skip,
+    gpu_or_skip, is_long,
     program::{reflet, texts},
 };
 use reflet::gpu::ShaderLibrary;
@@ -49,14 +49,17 @@ const SOME: [&str; 4] = ["1", "7", "20", "28"];
 const METHODS: &str = "ssr,probe,ssr+probe,ssr+box,near-far,hybrid,rt";
 
 #[test]
-fn no_score_of_some_modes_is_worse_than_the_ratchet_allows() {
-    check_ratchet("some", &SOME);
-}
-
-#[test]
-#[ignore = "long: all failure modes"]
 fn no_score_is_worse_than_the_ratchet_allows() {
-    check_ratchet("all", &["--methods", METHODS]);
+    or_skip!(gpu_or_skip());
+    let modes = if is_long() {
+        &["--methods", METHODS][..]
+    } else {
+        &SOME
+    };
+    let ratchet = ["--ratchet", "tests/stability.toml"];
+    let (code, says) = stability(&folder("ratchet"), &[modes, &ratchet].concat());
+    assert_eq!(code, 0, "{says}");
+    assert!(says.contains("no score is worse"), "{says}");
 }
 
 /// Without the scores of a mode the ratchet allows any.
@@ -81,14 +84,6 @@ fn the_ratchet_has_scores_of_all_modes_and_methods() {
             assert!(held.contains(&method), "{mode}, {method}");
         }
     }
-}
-
-fn check_ratchet(name: &str, arguments: &[&str]) {
-    or_skip!(gpu_or_skip());
-    let ratchet = ["--ratchet", "tests/stability.toml"];
-    let (code, says) = stability(&folder(name), &[arguments, &ratchet].concat());
-    assert_eq!(code, 0, "{says}");
-    assert!(says.contains("no score is worse"), "{says}");
 }
 
 #[test]

@@ -11,6 +11,8 @@ use reflet::world::{
 };
 use scene::{ALPHA_EDGE, alpha_passes};
 
+use crate::common::is_long;
+
 const DEFAULT_BINDING_BYTES: u64 = 128 << 20;
 /// Largest relative error of the distance.
 const T_TOLERANCE: f64 = 1e-5;
@@ -193,7 +195,7 @@ fn packed_trees_agree_with_brute_force() {
     let world = scene::world(Vec3::ZERO);
     let trees = build(&world);
     assert!(trees.static_triangles > 0 && !trees.top_instances.is_empty());
-    let rays = scene::random_rays(&world, Vec3::ZERO, 2000);
+    let rays = scene::random_rays(&world, Vec3::ZERO, 1500);
     judge_cpu(&world, &trees, &rays, "CPU");
     let rays = scene::special_rays(&world, Vec3::ZERO);
     judge_cpu(&world, &trees, &rays, "CPU, special rays");
@@ -201,16 +203,7 @@ fn packed_trees_agree_with_brute_force() {
 
 #[test]
 fn rays_on_the_gpu_agree_with_brute_force() {
-    check_random_rays(3000);
-}
-
-#[test]
-#[ignore = "long: the same with more rays"]
-fn many_rays_on_the_gpu_agree_with_brute_force() {
-    check_random_rays(10_000);
-}
-
-fn check_random_rays(count: usize) {
+    let count = if is_long() { 10_000 } else { 1500 };
     let Some(gpu) = Gpu::new() else { return };
     let world = scene::world(Vec3::ZERO);
     let trees = build(&world);
@@ -225,7 +218,7 @@ fn far_from_the_origin_rays_stay_as_exact_as_positions() {
     let Some(gpu) = Gpu::new() else { return };
     let offset = Vec3::new(1e4, -1e4, 1e4);
     let world = scene::world(offset);
-    let rays = scene::random_rays(&world, offset, 2000);
+    let rays = scene::random_rays(&world, offset, 1000);
     judge_gpu(&gpu, &world, &build(&world), &rays, ALL, "GPU, at 1e4 m");
 }
 
