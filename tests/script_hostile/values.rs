@@ -49,6 +49,7 @@ fn values_of_any_depth_are_made_used_and_freed() {
     let folder = folder("deep");
     for (index, made) in DEEP.into_iter().enumerate() {
         // Steps that copy take a time quadratic in the depth; the values are the same as after steps that move.
+        // Daily the two other values take the operations in turn.
         let done = match index {
             0 | 1 => DONE[..2].iter().collect(),
             _ => sampled(DONE.iter().skip(index % 2).collect(), 2),

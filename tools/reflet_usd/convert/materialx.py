@@ -137,7 +137,7 @@ def _standard_surface(surface: _Surface) -> dict[str, Source]:
         "base_color", surface.get("base_color", _GRAY), surface.get("base", (1.0,))
     )
     thin = surface.number("thin_walled", 0.0) != 0.0
-    base = _scattering(surface, inputs, base, "subsurface", thin)
+    base = _scattering(surface, inputs, base, is_open=False, thin=thin)
     base = _transmitting(surface, inputs, base, "transmission", thin)
     _set_under_coat(surface, inputs, base)
     abbe = surface.number("transmission_dispersion", 0.0)
@@ -171,7 +171,7 @@ def _open_pbr(surface: _Surface) -> dict[str, Source]:
     weight = surface.get("base_weight", (1.0,))
     base = surface.times("base_color", surface.get("base_color", _GRAY), weight)
     thin = surface.number("geometry_thin_walled", 0.0) != 0.0
-    base = _scattering(surface, inputs, base, "subsurface_weight", thin)
+    base = _scattering(surface, inputs, base, is_open=True, thin=thin)
     base = _transmitting(surface, inputs, base, "transmission_weight", thin)
     _set_under_coat(surface, inputs, base)
     share = surface.number("transmission_dispersion_scale", 0.0)
@@ -247,15 +247,15 @@ def _normals(surface: _Surface, normal: str, coat_normal: str) -> dict[str, Sour
 
 
 def _scattering(
-    surface: _Surface, inputs: dict[str, Source], base: Source, weight_name: str, thin: bool
+    surface: _Surface, inputs: dict[str, Source], base: Source, *, is_open: bool, thin: bool
 ) -> Source:
-    """Base color with the subsurface color, at its weight.
+    """Base color with the subsurface color, at its weight, of OpenPBR or standard surface.
 
     Thin walls scatter a share of the light that reaches this color to their other side, which is
     diffuse transmission: all of it in MaterialX's graph of standard surface, by the anisotropy in
     OpenPBR (version 1.1, "Thin-walled case").
     """
-    is_open = weight_name == "subsurface_weight"
+    weight_name = "subsurface_weight" if is_open else "subsurface"
     weight = surface.weight(weight_name, "subsurface_")
     color = surface.get("subsurface_color", _GRAY if is_open else _WHITE)
     if thin and isinstance(weight, Constant) and weight.value[0] != 0.0:
