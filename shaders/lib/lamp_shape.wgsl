@@ -2,6 +2,22 @@
 
 #import frame
 
+struct Lamp {
+    position: vec3f,
+    kind: u32, // LIGHT_*
+    direction: vec3f,
+    extent: f32, // radius, m; of a flat lamp half its second edge; 0: a point without a size
+    color: vec3f, // candela per channel
+    range_m: f32, // 0: unlimited
+    half_u: vec3f, // half axes of a flat lamp, m
+    half_v: vec3f,
+    spot: vec2f, // scale and offset of the cone falloff
+}
+
+fn is_flat(lamp: Lamp) -> bool {
+    return lamp.kind == LIGHT_RECT || lamp.kind == LIGHT_DISK;
+}
+
 // A sampled point of a light: its arriving radiance over the density of choosing it.
 struct LightSample {
     to_light: vec3f,
@@ -10,26 +26,24 @@ struct LightSample {
     pdf: f32, // per solid angle
 }
 
-// Area of a flat lamp with these half axes.
-fn flat_area_of(half_u: vec3f, half_v: vec3f, is_disk: bool) -> f32 {
-    let edges = sqrt(dot(half_u, half_u) * dot(half_v, half_v));
-    return edges * select(4.0, PI, is_disk);
+// Area of a flat lamp.
+fn flat_area(lamp: Lamp) -> f32 {
+    let edges = sqrt(dot(lamp.half_u, lamp.half_u) * dot(lamp.half_v, lamp.half_v));
+    return edges * select(4.0, PI, lamp.kind == LIGHT_DISK);
 }
 
-// A point of a flat lamp, uniform in area, for a surface at `position`; `intensity` is that straight ahead.
-fn flat_point(
-    center: vec3f, position: vec3f, ahead: vec3f, half_u: vec3f, half_v: vec3f, is_disk: bool, intensity: vec3f, u: vec2f,
-) -> LightSample {
+// A point of a flat lamp, uniform in area, for a surface at `position`; its color is the intensity straight ahead.
+fn flat_point(lamp: Lamp, position: vec3f, u: vec2f) -> LightSample {
     var r: LightSample;
     var at = u * 2.0 - 1.0;
-    if (is_disk) { at = on_circle(sqrt(u.x), u.y); }
-    let way = center + half_u * at.x + half_v * at.y - position;
+    if (lamp.kind == LIGHT_DISK) { at = on_circle(sqrt(u.x), u.y); }
+    let way = lamp.position + lamp.half_u * at.x + lamp.half_v * at.y - position;
     let d2 = max(dot(way, way), 1e-20);
     r.distance_m = sqrt(d2);
     r.to_light = way / r.distance_m;
-    let facing = max(-dot(ahead, r.to_light), 0.0);
-    r.color = intensity * (facing / d2);
-    r.pdf = d2 / max(facing * flat_area_of(half_u, half_v, is_disk), 1e-20);
+    let facing = max(-dot(lamp.direction, r.to_light), 0.0);
+    r.color = lamp.color * (facing / d2);
+    r.pdf = d2 / max(facing * flat_area(lamp), 1e-20);
     return r;
 }
 
@@ -58,18 +72,17 @@ struct MetPoint {
     radiance: vec3f,
 }
 
-fn flat_met(
-    offset: vec3f, ahead: vec3f, half_u: vec3f, half_v: vec3f, is_disk: bool, direction: vec3f, passed_m: f32,
-) -> MetPoint {
-    let facing = -dot(direction, ahead);
-    let u2 = dot(half_u, half_u);
-    let v2 = dot(half_v, half_v);
-    let at_t = -dot(offset, ahead) / max(facing, 1e-12);
+fn flat_met(lamp: Lamp, offset: vec3f, direction: vec3f, passed_m: f32) -> MetPoint {
+    let facing = -dot(direction, lamp.direction);
+    let u2 = dot(lamp.half_u, lamp.half_u);
+    let v2 = dot(lamp.half_v, lamp.half_v);
+    let at_t = -dot(offset, lamp.direction) / max(facing, 1e-12);
     let on = direction * at_t - offset;
-    let at = vec2f(dot(on, half_u) / u2, dot(on, half_v) / v2);
-    let inside = select(max(abs(at.x), abs(at.y)), length(at), is_disk) <= 1.0;
-    let pdf = (at_t + passed_m) * (at_t + passed_m) / max(facing * flat_area_of(half_u, half_v, is_disk), 1e-20);
-    return MetPoint(select(-1.0, at_t, facing > 0.0 && inside), pdf, vec3f(0.0));
+    let at = vec2f(dot(on, lamp.half_u) / u2, dot(on, lamp.half_v) / v2);
+    let inside = select(max(abs(at.x), abs(at.y)), length(at), lamp.kind == LIGHT_DISK) <= 1.0;
+    let area = flat_area(lamp);
+    let pdf = (at_t + passed_m) * (at_t + passed_m) / max(facing * area, 1e-20);
+    return MetPoint(select(-1.0, at_t, facing > 0.0 && inside), pdf, lamp.color / area);
 }
 
 fn ball_met(offset: vec3f, radius_m: f32, direction: vec3f, passed_m: f32) -> MetPoint {

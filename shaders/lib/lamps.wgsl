@@ -8,18 +8,6 @@ override HAS_TREE_LAMPS: bool = true;
 override HAS_SIZED_LAMPS: bool = true; // whether some lamp of the tree has a size
 override HAS_HARD_LAMPS: bool = true; // whether some lamp of the tree has none
 
-struct Lamp {
-    position: vec3f,
-    kind: u32, // LIGHT_*
-    direction: vec3f,
-    extent: f32, // radius, m; of a flat lamp half its second edge; 0: a point without a size
-    color: vec3f, // candela per channel
-    range_m: f32, // 0: unlimited
-    half_u: vec3f, // half axes of a flat lamp, m
-    half_v: vec3f,
-    spot: vec2f, // scale and offset of the cone falloff
-}
-
 // Records of lamps are as long as records of placed lights: kind with LAMP_RECORD, range, node and extent; position,
 // direction, and half of the first edge or the cone falloff, each with a channel of the color.
 fn is_lamp_record(record: vec4u) -> bool {
@@ -44,10 +32,6 @@ fn tree_lamp(item: u32) -> Lamp {
     return Lamp(place.xyz, record.x & 7u, ahead.xyz, extent, color, bitcast<f32>(record.y), form.xyz, half_v, form.xy);
 }
 
-fn is_flat(lamp: Lamp) -> bool {
-    return lamp.kind == LIGHT_RECT || lamp.kind == LIGHT_DISK;
-}
-
 fn lamp_reach(lamp: Lamp, to_light: vec3f, distance_m: f32) -> f32 {
     var share = range_share(lamp.range_m, distance_m);
     if (lamp.kind == LIGHT_SPOT) { share *= cone_share(lamp.direction, lamp.spot, to_light); }
@@ -57,11 +41,8 @@ fn lamp_reach(lamp: Lamp, to_light: vec3f, distance_m: f32) -> f32 {
 // A point of a lamp: its arriving radiance over its density per solid angle; of a lamp without a size the light itself,
 // with the density 1.
 fn lamp_point(lamp: Lamp, position: vec3f, u: vec2f) -> LightSample {
+    if (is_flat(lamp)) { return flat_point(lamp, position, u); }
     let offset = lamp.position - position;
-    if (is_flat(lamp)) {
-        let is_disk = lamp.kind == LIGHT_DISK;
-        return flat_point(lamp.position, position, lamp.direction, lamp.half_u, lamp.half_v, is_disk, lamp.color, u);
-    }
     let d2 = max(dot(offset, offset), 1e-20);
     let d = sqrt(d2);
     var r = LightSample(offset / d, d, lamp.color / d2, 1.0);
@@ -73,23 +54,11 @@ fn lamp_point(lamp: Lamp, position: vec3f, u: vec2f) -> LightSample {
 // Point at which a ray meets a lamp with a size.
 fn lamp_met(lamp: Lamp, origin: vec3f, direction: vec3f) -> MetPoint {
     let offset = lamp.position - origin;
-    if (is_flat(lamp)) {
-        let is_disk = lamp.kind == LIGHT_DISK;
-        var flat = flat_met(offset, lamp.direction, lamp.half_u, lamp.half_v, is_disk, direction, passed_m);
-        flat.radiance = lamp.color / flat_area_of(lamp.half_u, lamp.half_v, is_disk);
-        return flat;
-    }
+    if (is_flat(lamp)) { return flat_met(lamp, offset, direction, passed_m); }
     var ball = ball_met(offset, lamp.extent, direction, passed_m);
     let d = length(offset);
     ball.radiance = lamp.color / PI * (lamp_reach(lamp, offset / max(d, 1e-12), d) / (lamp.extent * lamp.extent));
     return ball;
-}
-
-// The first lamp with a size that a ray meets; `t` of `t_max`: none.
-struct MetLamp {
-    t: f32,
-    radiance: vec3f,
-    pdf: f32, // density per solid angle of light samples of the surface that the ray left
 }
 
 // Distance along a ray at which it enters the ball of a node; FAR_M past it or past `t_max`.
@@ -105,8 +74,10 @@ fn entered(node: u32, origin: vec3f, direction: vec3f, t_max: f32) -> f32 {
     return along - half_m;
 }
 
-fn met_lamp(origin: vec3f, ray: Reflected, t_max: f32) -> MetLamp {
-    var met = MetLamp(t_max, vec3f(0.0), 0.0);
+// Point at which a ray meets the first lamp with a size; `t` of `t_max`: none. The density is of light samples of the
+// surface that the ray left, the choice of the lamp included.
+fn met_lamp(origin: vec3f, ray: Reflected, t_max: f32) -> MetPoint {
+    var met = MetPoint(t_max, 0.0, vec3f(0.0));
     if (!HAS_SIZED_LAMPS || sampling.light_tree.root == NONE) { return met; }
     var item = NONE;
     var open: array<u32, MOST_LINKS>;
@@ -138,7 +109,7 @@ fn met_lamp(origin: vec3f, ray: Reflected, t_max: f32) -> MetLamp {
         if (lamp.extent <= 0.0) { continue; }
         let at = lamp_met(lamp, origin, ray.direction);
         if (at.t > 0.0 && at.t < met.t) {
-            met = MetLamp(at.t, at.radiance * lamp_shown(found), at.pdf);
+            met = MetPoint(at.t, at.pdf, at.radiance * lamp_shown(found));
             item = found;
         }
     }
