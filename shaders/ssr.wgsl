@@ -67,19 +67,12 @@ fn accept_by_threshold(r: ScreenRay, c: Candidate, origin: vec3f, direction: vec
     return m;
 }
 
-// Whether the crossing of a capsule's pixel is accepted: only where the ray meets the capsule over this pixel. Its
-// surface bends away behind the pixel, so that no neighbor can confirm a miss.
-fn accept_capsule(met: Surface, id: vec2u, origin: vec3f, direction: vec3f, over_m: vec2f) -> March {
-    let at = meet_named(id, origin, direction);
-    var m = March(CAUSE_HIT, at.x, id, at.yz);
-    if (at.x > over_m.y) {
-        m.cause = CAUSE_NOT_REFLECTIVE;
-    } else if (at.x < over_m.x) {
-        m.cause = CAUSE_HIDDEN;
-    } else if (goes_on(met)) {
-        m.cause = CAUSE_REFLECTOR;
-    }
-    return m;
+// Cause of a ray that meets the surface of a pixel, or its plane, at a distance; `over_m`: distances between which the
+// ray is over the pixel, past which it is still in front of the surface.
+fn cause_at(distance_m: f32, over_m: vec2f, met: Surface) -> u32 {
+    if (distance_m > over_m.y) { return CAUSE_NOT_REFLECTIVE; }
+    if (distance_m < over_m.x) { return CAUSE_HIDDEN; }
+    return select(CAUSE_HIT, CAUSE_REFLECTOR, goes_on(met));
 }
 
 // Whether a crossing is accepted as a screen-space hit: only where the ray is shown to meet the triangle that the
@@ -87,33 +80,22 @@ fn accept_capsule(met: Surface, id: vec2u, origin: vec3f, direction: vec3f, over
 // CAUSE_NOT_REFLECTIVE: the ray is still in front of the surface when it leaves the pixel, and the march goes on.
 fn accept_verified(r: ScreenRay, c: Candidate, origin: vec3f, direction: vec3f) -> March {
     let slack = params.edge_px / max(max(abs(r.delta.x), abs(r.delta.y)), 1e-3);
-    let low_m = distance_at(r, max(c.low - slack, 0.0));
-    let high_m = distance_at(r, c.high + slack);
+    let over_m = vec2f(distance_at(r, max(c.low - slack, 0.0)), distance_at(r, c.high + slack));
     let met = load_surface(c.pixel);
     let id = textureLoad(ids, c.pixel, 0).xy;
-    if (is_capsule(id.x)) { return accept_capsule(met, id, origin, direction, vec2f(low_m, high_m)); }
+    if (is_capsule(id.x)) {
+        // Only over this pixel: the surface bends away behind it, so that no neighbor can confirm a miss.
+        let at = meet_named(id, origin, direction);
+        return March(cause_at(at.x, over_m, met), at.x, id, at.yz);
+    }
     let t = triangle_of(id, origin);
     let at = meet(t, direction);
-    var m = March(CAUSE_HIT, at.x, id, clamped(at.yz));
-    // A ray that leaves along the plane's normal can only meet its back face; one that meets the plane past this
-    // pixel is still in front of the surface.
+    var m = March(cause_at(at.x, over_m, met), at.x, id, clamped(at.yz));
+    // A ray that leaves along the plane's normal can only meet its back face.
     if (dot(met.geometric_normal, direction) >= 0.0) {
-        m.cause = select(CAUSE_HIDDEN, CAUSE_BACK_FACE, at.x >= low_m && at.x <= high_m);
-        return m;
+        m.cause = select(CAUSE_HIDDEN, CAUSE_BACK_FACE, at.x >= over_m.x && at.x <= over_m.y);
     }
-    if (at.x > high_m) {
-        m.cause = CAUSE_NOT_REFLECTIVE;
-        return m;
-    }
-    if (at.x < low_m) {
-        m.cause = CAUSE_HIDDEN;
-        return m;
-    }
-    if (goes_on(met)) {
-        m.cause = CAUSE_REFLECTOR;
-        return m;
-    }
-    if (is_inside(at.yz)) { return m; }
+    if (m.cause != CAUSE_HIT || is_inside(at.yz)) { return m; }
     let place = r.start + r.delta * place_of(r, at.x);
     let corner = clamp(floor(place.xy - 0.5), vec2f(0.0), frame.size - 1.0);
     let part = clamp(place.xy - 0.5 - corner, vec2f(0.0), vec2f(1.0));
@@ -131,7 +113,7 @@ fn accept_verified(r: ScreenRay, c: Candidate, origin: vec3f, direction: vec3f) 
         }
         let beside = meet(triangle_of(other, origin), direction);
         let neighbor = load_surface(pixel);
-        if (is_inside(beside.yz) && beside.x >= low_m && beside.x <= high_m
+        if (is_inside(beside.yz) && beside.x >= over_m.x && beside.x <= over_m.y
             && dot(neighbor.geometric_normal, direction) < 0.0 && !goes_on(neighbor)) {
             return March(CAUSE_HIT, beside.x, other, beside.yz);
         }
@@ -155,7 +137,7 @@ fn is_refusal(cause: u32) -> bool {
 }
 
 fn march(s0: Surface, direction: vec3f) -> March {
-    if (frame.has_edge_on != 0u) { return March(CAUSE_EDGE_ON, 0.0, vec2u(NONE), vec2f(0.0)); }
+    if (frame.has_edge_on != 0u) { return ended(CAUSE_EDGE_ON); }
     let origin = ray_origin(s0.position, s0.geometric_normal);
     let r = screen_ray(origin, direction);
     let length_px = max(max(abs(r.delta.x), abs(r.delta.y)), 1e-3);
@@ -173,7 +155,7 @@ fn march(s0: Surface, direction: vec3f) -> March {
     var level = 0u;
     var climbs = true; // at each step until the first cell that is not free, then only out of the parent cell
     var steps = 0u;
-    var m = March(CAUSE_STEPS, 0.0, vec2u(NONE), vec2f(0.0));
+    var m = ended(CAUSE_STEPS);
     var last: Candidate;
     var behind_s = r.end; // s at which the ray first goes behind the first layer
     // Maximum number of pixels at which a ray is tested against the surface shown, and goes on in front of it or behind
@@ -285,13 +267,14 @@ fn reflect_pixel(pixel: vec2u) -> u32 {
     return m.cause;
 }
 
-fn reflect_listed(index: u32, lane: u32) -> vec2u {
-    let is_listed = index < atomicLoad(&counters[REFLECTOR_COUNTER]);
+@compute @workgroup_size(RAYS_PER_GROUP)
+fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) lane: u32) {
+    let index = (group.y * groups.x + group.x) * RAYS_PER_GROUP + lane;
     var pixel = vec2u(NONE);
     var place = 0u;
     var is_hit = false;
     var is_ray = false;
-    if (is_listed) {
+    if (index < atomicLoad(&counters[REFLECTOR_COUNTER])) {
         pixel = unpack_pixel(lists[reflector_slot(index)]);
         let why = reflect_pixel(pixel);
         is_hit = is_screen_hit(why) || (HAS_FOG && why == CAUSE_NONE);
@@ -304,7 +287,7 @@ fn reflect_listed(index: u32, lane: u32) -> vec2u {
     if (lane == 0u) {
         first_hit = atomicAdd(&counters[HIT_COUNTER], atomicLoad(&group_hits));
         first_refused = atomicAdd(&counters[RAY_COUNTER], atomicLoad(&group_rays));
-        add_behind();
+        if (HAS_SECOND_LAYER) { atomicAdd(&counters[BEHIND_COUNTER], atomicLoad(&group_behind)); }
     }
     if (lane < CAUSES) {
         let n = atomicLoad(&group_causes[lane]);
@@ -313,11 +296,5 @@ fn reflect_listed(index: u32, lane: u32) -> vec2u {
     workgroupBarrier();
     if (is_hit) { lists[hit_slot(first_hit + place)] = pack_pixel(pixel); }
     if (is_ray) { lists[refused_slot(first_refused + place)] = pack_pixel(pixel); }
-    return pixel;
-}
-
-@compute @workgroup_size(RAYS_PER_GROUP)
-fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) lane: u32) {
-    let pixel = reflect_listed((group.y * groups.x + group.x) * RAYS_PER_GROUP + lane, lane);
     if (COUNT && pixel.x != NONE) { textureStore(counts, pixel, vec4u(march_steps, 0u, 0u, march_triangles)); }
 }

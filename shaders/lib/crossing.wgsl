@@ -22,6 +22,7 @@ struct Behind {
     steps: u32, // number of steps of the whole march
 }
 
-fn hidden() -> March {
-    return March(CAUSE_HIDDEN, 0.0, vec2u(NONE), vec2f(0.0));
+// March without a hit.
+fn ended(cause: u32) -> March {
+    return March(cause, 0.0, vec2u(NONE), vec2f(0.0));
 }

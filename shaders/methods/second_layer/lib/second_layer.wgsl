@@ -24,11 +24,6 @@ const LEAST_COSINE: f32 = 0.2; // of a slope that is taken into account, against
 // Number of rays of the workgroup that went behind the first layer.
 var<workgroup> group_behind: atomic<u32>;
 
-fn add_behind() {
-    if (!HAS_SECOND_LAYER) { return; }
-    atomicAdd(&counters[BEHIND_COUNTER], atomicLoad(&group_behind));
-}
-
 // Clip-space z from which on a ray is behind the first layer of a pixel. By the paper's rule a thing has the thickness
 // T for a ray that went behind another.
 fn behind_z(pixel: vec2u, first_z: f32, is_start: bool) -> f32 {
@@ -55,12 +50,11 @@ fn shown_there(found: March, direction: vec3f) -> March {
 
 // Whether the ray meets a triangle that a pixel names, in a part of it; CAUSE_UNCONFIRMED where not.
 fn meet_beside(id: vec2u, origin: vec3f, direction: vec3f, over_m: vec2f) -> March {
-    var m = March(CAUSE_UNCONFIRMED, 0.0, id, vec2f(0.0));
-    if (id.x == NONE || is_capsule(id.x) || is_unreflected(id.x)) { return m; }
+    if (id.x == NONE || is_capsule(id.x) || is_unreflected(id.x)) { return ended(CAUSE_UNCONFIRMED); }
     let t = triangle_of(id, origin);
     let at = meet(t, direction);
     let is_met = is_inside(at.yz) && at.x >= over_m.x && at.x <= over_m.y;
-    if (!is_met || !is_met_in_front(id, t.normal, direction)) { return m; }
+    if (!is_met || !is_met_in_front(id, t.normal, direction)) { return ended(CAUSE_UNCONFIRMED); }
     return March(CAUSE_HIT_BEHIND, at.x, id, clamped(at.yz));
 }
 
@@ -82,20 +76,13 @@ fn accept_behind(r: ScreenRay, c: Candidate, origin: vec3f, direction: vec3f) ->
     let slack = params.edge_px / max(max(abs(r.delta.x), abs(r.delta.y)), 1e-3);
     let over_m = vec2f(distance_at(r, max(c.low - slack, 0.0)), distance_at(r, c.high + slack));
     let id = textureLoad(second_ids, c.pixel, 0).xy;
-    let is_round = is_capsule(id.x);
     let at = meet_named(id, origin, direction);
     var m = March(CAUSE_HIT_BEHIND, at.x, id, at.yz);
-    if (at.x > over_m.y) {
-        m.cause = CAUSE_NOT_REFLECTIVE;
-        return m;
-    }
-    if (at.x < over_m.x) { return hidden(); }
-    if (is_round) { return shown_there(m, direction); }
+    if (at.x > over_m.y) { return ended(CAUSE_NOT_REFLECTIVE); }
+    if (at.x < over_m.x) { return ended(CAUSE_HIDDEN); }
+    if (is_capsule(id.x)) { return shown_there(m, direction); }
     m.bary = clamped(at.yz);
-    if (!is_met_in_front(id, triangle_of(id, origin).normal, direction)) {
-        m.cause = CAUSE_BACK_FACE;
-        return m;
-    }
+    if (!is_met_in_front(id, triangle_of(id, origin).normal, direction)) { return ended(CAUSE_BACK_FACE); }
     if (is_inside(at.yz)) { return shown_there(m, direction); }
     let place = (r.start + r.delta * place_of(r, at.x)).xy;
     let corner = vec2u(clamp(floor(place - 0.5), vec2f(0.0), frame.size - 1.0));
@@ -107,8 +94,7 @@ fn accept_behind(r: ScreenRay, c: Candidate, origin: vec3f, direction: vec3f) ->
         let beside = meet_beside(other, origin, direction, over_m);
         if (beside.cause == CAUSE_HIT_BEHIND) { return shown_there(beside, direction); }
     }
-    m.cause = CAUSE_UNCONFIRMED;
-    return m;
+    return ended(CAUSE_UNCONFIRMED);
 }
 
 // Whether a crossing of the second layer is accepted by the paper's rule, as accept_by_threshold does in the first.
@@ -123,11 +109,8 @@ fn accept_behind_by_threshold(r: ScreenRay, c: Candidate, second_z: f32, origin:
         m.bary = clamped(at.yz);
         is_met = is_met_in_front(id, triangle_of(id, origin).normal, direction);
     }
-    if (depth_of(r.start.z + r.delta.z * c.low) - depth_m > params.threshold_m) { return hidden(); }
-    if (!is_met) {
-        m.cause = CAUSE_BACK_FACE;
-        return m;
-    }
+    if (depth_of(r.start.z + r.delta.z * c.low) - depth_m > params.threshold_m) { return ended(CAUSE_HIDDEN); }
+    if (!is_met) { return ended(CAUSE_BACK_FACE); }
     return shown_there(m, direction);
 }
 
@@ -135,7 +118,7 @@ fn accept_behind_by_threshold(r: ScreenRay, c: Candidate, second_z: f32, origin:
 // CAUSE_NOT_REFLECTIVE: the ray comes out in front of the first layer there.
 fn march_behind(r: ScreenRay, heading: Heading, plane: TangentPlane, at: Candidate, steps: u32, origin: vec3f, direction: vec3f) -> Behind {
     let nearest = pyramid();
-    var b = Behind(hidden(), vec2i(at.pixel), at.low, steps);
+    var b = Behind(ended(CAUSE_HIDDEN), vec2i(at.pixel), at.low, steps);
     if (VERIFY && grazes_first(at.pixel, origin, direction, distance_at(r, at.high))) { return b; }
     let around_s = 1.0 / max(max(abs(r.delta.x), abs(r.delta.y)), 1e-3); // of a pixel
     var passed_z = 0.0; // clip-space z behind which the ray has passed the last pixel
@@ -174,7 +157,7 @@ fn march_behind(r: ScreenRay, heading: Heading, plane: TangentPlane, at: Candida
                 b.march = accept_behind_by_threshold(r, c, second_z, origin, direction);
             }
             if (b.march.cause != CAUSE_NOT_REFLECTIVE) { return b; }
-            b.march = hidden();
+            b.march = ended(CAUSE_HIDDEN);
         }
         b.pixel = pixel_past(heading, b.pixel, b.pixel + 1, exits, b.pixel);
         b.s = exit;
