@@ -21,9 +21,7 @@ fn lobe_overlap(c: f32) -> f32 {
 
 // Irradiance / π of `environment` on a surface with this normal, in closed form.
 fn ambient(normal: vec3f) -> vec3f {
-    return frame.horizon
-        + (frame.zenith - frame.horizon) * lobe_overlap(normal.y)
-        + (frame.ground - frame.horizon) * lobe_overlap(-normal.y);
+    return gradient(lobe_overlap(normal.y), lobe_overlap(-normal.y));
 }
 
 // Mean absolute height (y) of directions whose mean is `m`: of a single direction where all are equal, up to a cosine
@@ -42,13 +40,7 @@ fn environment_through(lobe: vec4f, s: Surface, view: vec3f) -> vec3f {
     let away = s.normal * nv - view;
     let m = (s.normal * lobe.z + away * (lobe.w / max(length(away), 1e-6))) / lobe.x;
     let height = mean_height(m);
-    return frame.horizon + (frame.zenith - frame.horizon) * (0.5 * (height + m.y))
-        + (frame.ground - frame.horizon) * (0.5 * (height - m.y));
-}
-
-fn environment_specular(s: Surface, view: vec3f) -> vec3f {
-    let lobe = lobe_at(mean_roughness(s), dot(s.normal, view));
-    return specular_albedo(s, view) * environment_through(lobe, s, view) * s.occlusion;
+    return gradient(0.5 * (height + m.y), 0.5 * (height - m.y));
 }
 
 // Share of a surface's rays that follow the bright parts of the environment.
@@ -91,7 +83,10 @@ fn environment_light(s: Surface, view: vec3f, albedo: vec3f) -> Shade {
         out.diffuse += s.sheen_color * environment_through(lobe, s, view) * (lobe.x * s.occlusion);
     }
     let stand_in = stand_in_share(s);
-    if (stand_in > 0.0) { out.specular = environment_specular(s, view) * stand_in; }
+    if (stand_in > 0.0) {
+        let lobe = lobe_at(mean_roughness(s), dot(s.normal, view));
+        out.specular = specular_albedo(s, view) * environment_through(lobe, s, view) * s.occlusion * stand_in;
+    }
     return out;
 }
 

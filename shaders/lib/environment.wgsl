@@ -23,16 +23,14 @@ fn out_of_panorama(direction: vec3f) -> vec3f {
     return vec3f(direction.x * t.x + direction.z * t.y, direction.y, direction.z * t.x - direction.x * t.y);
 }
 
-fn gradient(direction: vec3f) -> vec3f {
-    let y = clamp(direction.y, -1.0, 1.0);
-    return frame.horizon
-        + (frame.zenith - frame.horizon) * max(y, 0.0)
-        + (frame.ground - frame.horizon) * max(-y, 0.0);
+// Light of the gradient by the shares of the zenith and of the ground.
+fn gradient(up: f32, down: f32) -> vec3f {
+    return frame.horizon + (frame.zenith - frame.horizon) * up + (frame.ground - frame.horizon) * down;
 }
 
 // "Environment Maps" of OpenEXR: longitude 0 is +Z and in the center, growing to the left.
 fn environment(direction: vec3f) -> vec3f {
-    if (!HAS_PANORAMA) { return gradient(direction); }
+    if (!HAS_PANORAMA) { return gradient(saturate(direction.y), saturate(-direction.y)); }
     let d = into_panorama(normalize(direction));
     let is_pole = abs(d.x) + abs(d.z) < 1e-12;
     let longitude = atan2(select(d.x, 0.0, is_pole), select(d.z, 1.0, is_pole));

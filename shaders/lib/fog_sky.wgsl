@@ -17,8 +17,7 @@ fn scattered_gradient(direction: vec3f) -> vec3f {
     let p6 = ((231.0 * y2 - 315.0) * y2 + 105.0) * y2 * 0.0625 - 0.3125;
     let size = 0.5 + g2 * (0.625 * p2 + g2 * (-0.1875 * p4 + g2 * (0.1015625 * p6)));
     let height = g * y;
-    return max(frame.horizon + (frame.zenith - frame.horizon) * (0.5 * (size + height))
-        + (frame.ground - frame.horizon) * (0.5 * (size - height)), vec3f(0.0));
+    return max(gradient(0.5 * (size + height), 0.5 * (size - height)), vec3f(0.0));
 }
 
 // By samples: one direction for one point of the ray. It follows the phase function or the bright parts of the
