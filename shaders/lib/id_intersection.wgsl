@@ -40,11 +40,6 @@ fn is_inside(bary: vec2f) -> bool {
     return max(max(-bary.x, -bary.y), bary.x + bary.y - 1.0) <= 1e-5;
 }
 
-fn clamped(bary: vec2f) -> vec2f {
-    let positive = max(bary, vec2f(0.0));
-    return positive / max(positive.x + positive.y, 1.0);
-}
-
 // Hit of a ray with the triangle or capsule of a pixel: distance, and barycentric weights, which lie outside the
 // triangle where the ray meets only its plane, or the place on a capsule; the distance is negative where it misses the
 // capsule.
