@@ -1,8 +1,9 @@
 // Peel: rasterizes depth and ids of the second depth layer, for each pixel the nearest surface at least `separation_m`
 // behind the first, from whichever side it is seen.
 
+#import capsules_seen
+#import layer_test
 #import peeled
-#import capsules_peeled
 #import pulled
 #import surface
 
@@ -13,4 +14,29 @@ fn fragment(in: Varying) -> @location(0) vec2u {
     if (!is_behind(in.clip, in.ids)) { discard; }
     if (CUTOUT && !alpha_passes(in.ids.x, in.ids.y, in.bary)) { discard; }
     return in.ids;
+}
+
+// Capsules have two sides that may be the nearest one behind the first layer.
+@fragment
+fn fragment_capsule_peeled(in: CapsuleVarying) -> CapsuleFragment {
+    let least_m = least_depth_m(vec2u(in.clip.xy));
+    let origin = pixel_origin(in.clip.xy);
+    let direction = pixel_ray(in.clip.xy);
+    let c = corners(in.ids.x, in.ids.y);
+    let axis = c.p[1] - c.p[0];
+    let radius = instance_capsule_radius_m(in.ids.x);
+    let rows = instance_object_from_world(in.ids.x);
+    let offset = origin - vec3f(rows[0].w, rows[1].w, rows[2].w);
+    let o = vec3f(dot(rows[0].xyz, offset), dot(rows[1].xyz, offset), dot(rows[2].xyz, offset)) - c.p[0];
+    let d = vec3f(dot(rows[0].xyz, direction), dot(rows[1].xyz, direction), dot(rows[2].xyz, direction));
+    let span = capsule_span(o, d, axis, radius);
+    if (!span.is_met) { discard; }
+    for (var side = 0u; side < 2u; side++) {
+        let t = select(span.enter, span.leave, side == 1u);
+        if (t < max(least_m, frame.near_m)) { continue; }
+        if (!is_cutout(in.ids.x) || alpha_passes(in.ids.x, in.ids.y, capsule_place(o + d * t, axis, radius))) {
+            return CapsuleFragment(in.ids, screen_z(t));
+        }
+    }
+    discard;
 }

@@ -1,3 +1,1 @@
 // Variant without indexed drawing; see triangles_pulled.wgsl.
-
-#import layer_test
