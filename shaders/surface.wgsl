@@ -87,8 +87,7 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: ve
     workgroupBarrier();
     if (lane == 0u) {
         if (HAS_TRANSMISSION) {
-            let first = atomicAdd(&counters[TRANSMISSIVE_COUNTER], atomicLoad(&tile_counts[TRANSMISSIVE]));
-            transmissive_start = transmissive_slot(first);
+            transmissive_start = atomicAdd(&counters[TRANSMISSIVE_COUNTER], atomicLoad(&tile_counts[TRANSMISSIVE]));
         }
         atomicAdd(&counters[CAUSE_NOT_REFLECTIVE], atomicLoad(&tile_counts[UNREFLECTIVE]));
         atomicAdd(&counters[CAUSE_ROUGH], atomicLoad(&tile_counts[ROUGH]));
@@ -102,8 +101,7 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: ve
     }
     workgroupBarrier();
     if (HAS_TRANSMISSION && found.is_transmissive) {
-        lists[transmissive_start + transmissive_place] = pack_pixel(pixel);
+        lists[transmissive_slot(transmissive_start + transmissive_place)] = pack_pixel(pixel);
     }
-    if (!HAS_REFLECTIONS) { return; }
-    if (kind == REFLECTIVE) { lists[reflector_slot(reflective_start + place)] = pack_pixel(pixel); }
+    if (HAS_REFLECTIONS && kind == REFLECTIVE) { lists[reflector_slot(reflective_start + place)] = pack_pixel(pixel); }
 }

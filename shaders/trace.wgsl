@@ -12,5 +12,4 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: ve
     let pixel = unpack_pixel(lists[ray_slot(ray)]);
     trace_pixel(pixel);
     keep_cause(pixel, first_cause);
-    if (COUNT) { textureStore(counts, pixel, vec4u(map_steps, traversals, visited_nodes, tested_triangles)); }
 }

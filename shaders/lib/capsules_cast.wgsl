@@ -11,18 +11,13 @@ struct CapsuleVarying {
     @location(1) place: vec4f, // in clip space
 }
 
-// Position of a clip-space point in the world, or with w = 0 a direction.
-fn unprojected(clip: vec4f) -> vec4f {
-    let point = params.world_from_clip * clip;
-    return select(vec4f(point.xyz, 0.0), vec4f(point.xyz / point.w, 1.0), abs(point.w) > 1e-12);
-}
-
 // Position in the map of a drawn vertex.
 fn capsule_clip(vertex: u32, instance: u32) -> vec4f {
     // The light of a perspective map is at the only point with this clip position; an orthographic map's is infinitely
     // far.
-    let light = unprojected(vec4f(0.0, 0.0, 1.0, 0.0));
-    let clip = capsule_vertex(instance, vertex, light, params.clip_from_world, vec2f(0.0));
+    let light = params.world_from_clip * vec4f(0.0, 0.0, 1.0, 0.0);
+    let eye = select(vec4f(light.xyz, 0.0), vec4f(light.xyz / light.w, 1.0), abs(light.w) > 1e-12);
+    let clip = capsule_vertex(instance, vertex, eye, params.clip_from_world, vec2f(0.0));
     return vec4f(clip.xy, max(clip.z, 0.0), clip.w);
 }
 

@@ -25,4 +25,5 @@ fn trace_pixel(pixel: vec2u) {
     if (SHADE) { textureStore(reflection, pixel, stored(light)); }
     textureStore(hit, pixel, first_hit);
     if (exhausted_rays > 0u) { atomicAdd(&counters[EXHAUSTED_COUNTER], exhausted_rays); }
+    if (COUNT) { textureStore(counts, pixel, vec4u(map_steps, traversals, visited_nodes, tested_triangles)); }
 }

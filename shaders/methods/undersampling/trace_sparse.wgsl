@@ -58,7 +58,6 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: ve
     let pixel = unpack_pixel(leader);
     trace_pixel(pixel);
     // Kept for the followers. The number of textures that a stage may write leaves none for the cause of these pixels:
-    // `spread` writes it.
+    // the upsample pass writes it.
     textureStore(lead_hit, pixel, vec4u(first_hit.xyz, first_cause));
-    if (COUNT) { textureStore(counts, pixel, vec4u(map_steps, traversals, visited_nodes, tested_triangles)); }
 }

@@ -81,8 +81,7 @@ fn meet_around(around: Around, origin: vec3f, direction: vec3f) -> Met {
         nearest_m = min(nearest_m, at.x);
         farthest_m = max(farthest_m, at.x);
         let is_round = is_capsule(id.x);
-        let is_better = !is_within || (is_inside(at.yz) && at.x < best.distance_m);
-        if (is_better) {
+        if (!is_within || (is_inside(at.yz) && at.x < best.distance_m)) {
             best = Met(at.x, id.y, select(clamped(at.yz), at.yz, is_round));
             is_within = is_round || is_inside(at.yz);
         }
@@ -125,7 +124,9 @@ fn follow_neighbors(pixel: vec2u) -> bool {
 var<workgroup> rest_count: atomic<u32>;
 var<workgroup> first_rest: u32;
 
-fn spread(index: u32, lane: u32) -> vec2u {
+@compute @workgroup_size(RAYS_PER_GROUP)
+fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) lane: u32) {
+    let index = (group.y * groups.x + group.x) * RAYS_PER_GROUP + lane;
     var pixel = vec2u(NONE);
     var place = NONE;
     if (index < atomicLoad(&counters[FOLLOWER_COUNTER])) {
@@ -140,11 +141,5 @@ fn spread(index: u32, lane: u32) -> vec2u {
     workgroupBarrier();
     // The list of rays is free: all of it was sorted.
     if (place != NONE) { lists[ray_slot(first_rest + place)] = pack_pixel(pixel); }
-    return pixel;
-}
-
-@compute @workgroup_size(RAYS_PER_GROUP)
-fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) lane: u32) {
-    let pixel = spread((group.y * groups.x + group.x) * RAYS_PER_GROUP + lane, lane);
     if (COUNT && pixel.x != NONE) { textureStore(counts, pixel, vec4u(0u, traversals, visited_nodes, tested_triangles)); }
 }

@@ -24,13 +24,6 @@ struct FarRay {
 }
 alias MapRay = FarRay;
 
-fn far_ray(origin: vec3f, direction: vec3f, from_m: f32, to_m: f32) -> FarRay {
-    let offset = origin - far_box.eye;
-    let along_m = dot(offset, direction);
-    let nearest_m = max(length(offset - direction * along_m), 1e-3 * far_box.half_size_m);
-    return FarRay(origin, direction, offset, along_m, nearest_m, from_m, to_m);
-}
-
 fn angle_of(r: FarRay, t: f32) -> f32 {
     return clamp(atan((t + r.along_m) / r.nearest_m), -STEEPEST, STEEPEST);
 }
@@ -78,7 +71,10 @@ fn met_at(map: u32, r: FarRay, angle: f32) -> Hit {
 
 // Marches a part of a ray outside of the box, on which it starts before everything that the maps see.
 fn march_far(origin: vec3f, direction: vec3f, from_m: f32, to_m: f32) -> Hit {
-    let r = far_ray(origin, direction, from_m, to_m);
+    let offset = origin - far_box.eye;
+    let along_m = dot(offset, direction);
+    let nearest_m = max(length(offset - direction * along_m), 1e-3 * far_box.half_size_m);
+    let r = FarRay(origin, direction, offset, along_m, nearest_m, from_m, to_m);
     let first = angle_of(r, from_m);
     let last = angle_of(r, to_m);
     let pixel = 2.0 / f32(textureDimensions(cube_hits).x);
