@@ -44,8 +44,8 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         if (SMOOTHS_REFLECTIONS && is_spread(s)) { weight = max(reflected_albedo(s), vec3f(1e-4)); }
         out += weight * faded(pixel, ray.direction, textureLoad(reflection, pixel, 0).xyz);
     }
-    if (HAS_LAYERS && any(frame.eye_absorption > vec3f(0.0))) {
-        out *= exp(-frame.eye_absorption * textureLoad(view_depth, pixel, 0).x * length(pixel_ray(vec2f(pixel) + 0.5)));
+    if (HAS_LAYERS && any(frame.eye_extinction > vec3f(0.0))) {
+        out *= exp(-frame.eye_extinction * textureLoad(view_depth, pixel, 0).x * length(pixel_ray(vec2f(pixel) + 0.5)));
     }
     out = fogged(pixel, out);
     unlit *= seen_through_fog(pixel);

@@ -17,5 +17,5 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     textureStore(details, pixel, 0, textureLoad(colors, pixel, 0));
     textureStore(details, pixel, 1, pack_details(s));
     if (HAS_FURTHER_DETAILS) { textureStore(details, pixel, 2, pack_further_details(s)); }
-    if (HAS_DIFFUSE_TRANSMISSION) { textureStore(details, pixel, 3, bitcast<vec4u>(vec4f(s.diffuse_transmission_color, s.diffuse_transmission))); }
+    if (HAS_DIFFUSE_TRANSMISSION) { textureStore(details, pixel, 3, pack_diffuse_transmission(s)); }
 }

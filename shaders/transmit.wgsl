@@ -19,7 +19,7 @@ fn completed(pixel: vec2u) -> Surface {
     let m = instance_material(textureLoad(ids, pixel, 0).x);
     s.ior = material_ior(m);
     s.dispersion = material_dispersion(m);
-    s.absorption = material_absorption(m);
+    s.material = m;
     s.is_solid = material_is_solid(m) != 0u;
     return s;
 }

@@ -15,7 +15,7 @@ fn packed_colors(pixel: vec2u) -> vec4u {
 
 fn diffuse_transmission_at(pixel: vec2u) -> f32 {
     if (!HAS_DIFFUSE_TRANSMISSION) { return 0.0; }
-    return bitcast<f32>(textureLoad(details, pixel, 3, 0).w);
+    return with_diffuse_transmission(Surface(), textureLoad(details, pixel, 3, 0)).diffuse_transmission;
 }
 
 fn detailed(s: Surface, pixel: vec2u) -> Surface {
@@ -23,7 +23,6 @@ fn detailed(s: Surface, pixel: vec2u) -> Surface {
     var whole = with_details(s, textureLoad(details, pixel, 1, 0));
     if (!HAS_FURTHER_DETAILS) { return whole; }
     whole = with_further_details(whole, textureLoad(details, pixel, 2, 0));
-    if (HAS_DIFFUSE_TRANSMISSION) { whole.diffuse_transmission_color = bitcast<vec3f>(textureLoad(details, pixel, 3, 0).xyz); }
-    whole.diffuse_transmission = diffuse_transmission_at(pixel);
+    if (HAS_DIFFUSE_TRANSMISSION) { whole = with_diffuse_transmission(whole, textureLoad(details, pixel, 3, 0)); }
     return whole;
 }

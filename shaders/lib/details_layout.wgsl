@@ -43,3 +43,20 @@ fn with_further_details(surface: Surface, bits: vec4u) -> Surface {
     }
     return s;
 }
+
+fn pack_diffuse_transmission(s: Surface) -> vec4u {
+    let color = s.diffuse_transmission_color;
+    return vec4u(pack2x16unorm(color.xy), pack2x16unorm(vec2f(color.z, s.diffuse_transmission)), s.material, u32(bounds_scattering(s)));
+}
+
+fn with_diffuse_transmission(surface: Surface, bits: vec4u) -> Surface {
+    var s = surface;
+    let rest = unpack2x16unorm(bits.y);
+    s.diffuse_transmission_color = vec3f(unpack2x16unorm(bits.x), rest.x);
+    s.diffuse_transmission = rest.y;
+    if (HAS_SCATTERING) {
+        s.material = bits.z;
+        s.is_solid = bits.w != 0u;
+    }
+    return s;
+}

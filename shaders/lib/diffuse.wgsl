@@ -14,6 +14,32 @@ fn passes_diffusely(s: Surface) -> bool {
     return HAS_DIFFUSE_TRANSMISSION && s.diffuse_transmission > 0.0;
 }
 
+// Whether the surface bounds a solid which scatters the diffuse light that it passes.
+fn bounds_scattering(s: Surface) -> bool {
+    return HAS_SCATTERING && s.is_solid && passes_diffusely(s) && any(material_scattering(s.material) > vec3f(0.0));
+}
+
+// The inner side of such a surface: all light that a solid scatters towards its surface leaves it.
+fn without_specular(s: Surface) -> Surface {
+    var inner = s;
+    if (s.transmission > 0.0) { return inner; }
+    inner.reflectivity = 0.0;
+    inner.has_index = false;
+    inner.reflection = REFLECTION_NONE;
+    inner.clearcoat = 0.0;
+    inner.sheen_color = vec3f(0.0);
+    return inner;
+}
+
+// Share of the light entering a solid that it returns where no path is followed inside: as if light left where it
+// entered, from a solid without another side (van de Hulst 1980).
+fn returned_from_within(s: Surface) -> vec3f {
+    if (s.is_inside || !bounds_scattering(s)) { return vec3f(0.0); }
+    let lack = sqrt(1.0 - material_scattering(s.material));
+    let color = s.diffuse_transmission_color * s.diffuse_transmission_color;
+    return color * (1.0 - lack) * (1.0 - 0.139 * lack) / (1.0 + 1.17 * lack);
+}
+
 // Share of light that single scattering of a white surface returns at a cosine: the paper's fit.
 fn fujii_albedo(roughness: f32, cosine: f32) -> f32 {
     let x = 1.0 - saturate(cosine);

@@ -10,6 +10,7 @@
 #import light_reuse
 #import lobe
 #import sampling
+#import subsurface
 
 const FREE_PATHS: u32 = 0u;
 const MIRROR_PATHS: u32 = 1u; // mirror rays of pixels, which may march through maps
@@ -30,16 +31,16 @@ const MOST_LIKELY: f32 = 0.95; // maximum survival probability
 
 var<private> path_weight: vec3f = vec3f(1.0);
 var<private> path_vertices: u32 = 0u;
-var<private> first_m: f32 = FAR_M; // length of the first ray that was followed
+var<private> first_m: f32 = FAR_M; // length of the first ray that was followed, unless it was scattered in a solid
 var<private> free_start_m: f32 = 0.0; // length of the first ray that the march has found free
 var<private> first_hit: vec4u = vec4u(0u, NONE, NONE, 0u); // distance, instance and triangle, of MIRROR_PATHS
 var<private> known_hit: Hit; // first hit of HIT_PATHS
 // How the first ray of MIRROR_PATHS ended in a map; CAUSE_UNMARCHED where trees ended it.
 var<private> first_cause: u32 = CAUSE_UNMARCHED;
 
-// Number of hits after which the path ends: crossings, diffuse scatterings and known hits do not count as bounces.
+// Number of hits after which the path ends: crossings, scatterings and known hits do not count as bounces.
 fn most_hits() -> u32 {
-    let uncounted = select(0u, path_crossings, HAS_LAYERS) + select(0u, path_scatterings, HAS_INDIRECT);
+    let uncounted = select(0u, path_crossings + walk_scatterings, HAS_LAYERS) + select(0u, path_scatterings, HAS_INDIRECT);
     return frame.bounces + uncounted + select(0u, 1u, PATHS == HIT_PATHS);
 }
 
@@ -88,6 +89,7 @@ fn scattered_ray(s: Surface, view: vec3f, albedo: vec3f) -> Reflected {
         if (u.x >= share) {
             part = other_side(s, view);
             color = through;
+            media = media_beyond(media, s);
             u.x -= share;
             share = 1.0 - share;
         }
@@ -144,11 +146,11 @@ struct Start {
     origin: vec3f,
 }
 
-// The nearest hit of a ray of a path.
-fn hit_of_path(origin: vec3f, direction: vec3f, is_first: bool) -> Hit {
+// The nearest hit of a ray of a path, up to a distance.
+fn hit_of_path(origin: vec3f, direction: vec3f, most_m: f32, is_first: bool) -> Hit {
     if (PATHS == HIT_PATHS && is_first) { return known_hit; }
-    if (PATHS != MIRROR_PATHS) { return trace_nearest(origin, direction, 0.0, FAR_M); }
-    let h = closest_hit(origin, direction, select(0.0, free_start_m, is_first), reach_m());
+    if (PATHS != MIRROR_PATHS) { return trace_nearest(origin, direction, 0.0, most_m); }
+    let h = closest_hit(origin, direction, select(0.0, free_start_m, is_first), min(reach_m(), most_m));
     if (is_first) { first_cause = map_cause; }
     return h;
 }
@@ -167,10 +169,13 @@ fn gathered_by_path(pixel: vec2u, vertex: u32, hits: u32, start: Start, first: C
     for (var k = 0u; k < most_hits(); k++) {
         if (max(throughput.x, max(throughput.y, throughput.z)) < frame.dimmest) { break; }
         start_samples(pixel, vertex + k);
-        let h = hit_of_path(origin, ray.direction, k == 0u);
+        let flight = free_flight(select(throughput, vec3f(0.0), PATHS != FREE_PATHS && k == 0u));
+        let h = hit_of_path(origin, ray.direction, flight.length_m, k == 0u);
         let end = seen_at_end(origin, ray, h.instance, h.t);
-        throughput *= medium_transmittance(end.distance_m);
-        if (k == 0u) { first_m = end.distance_m; }
+        let is_scattered = flight.length_m < end.distance_m;
+        let way_m = min(flight.length_m, end.distance_m);
+        throughput *= medium_transmittance(way_m) * flight_weight(flight, way_m, is_scattered);
+        if (k == 0u && !is_scattered) { first_m = way_m; }
         if (PATHS == MIRROR_PATHS && k == 0u && !end.is_seen) { first_hit = vec4u(bitcast<u32>(h.t), h.instance, h.triangle, 0u); }
         if (HAS_FOG && SHADE) {
             let air = through_air(origin, ray, end.distance_m);
@@ -186,23 +191,36 @@ fn gathered_by_path(pixel: vec2u, vertex: u32, hits: u32, start: Start, first: C
                 continue;
             }
         }
-        if (h.instance == NONE && is_straight) {
+        if (h.instance == NONE && is_straight && !is_scattered) {
             if (HIDES_BACKGROUND) { return vec4f(color, 1.0 - uncovered); }
             if (!SHOW_ENVIRONMENT) { return vec4f(color + throughput * frame.background, 1.0); }
         }
-        if (end.is_seen) {
+        if (end.is_seen && !is_scattered) {
             color += found_light(throughput * end.radiance, hits + k);
             break;
         }
         // Without shading, a surface only matters where the path may continue from it.
         if (!SHADE && k + 1u == most_hits()) { break; }
-        cone = continued(cone, h.t);
-        var s = surface_at(h.instance, h.triangle, h.bary, ray.direction, cone.width_m);
-        s.emission *= met_emission(ray, h.instance, h.triangle, h.t, s);
-        if (SHADE) {
+        cone = continued(cone, way_m);
+        var s: Surface;
+        if (is_scattered) {
+            s = scatterer(origin + ray.direction * way_m);
+        } else {
+            s = surface_at(h.instance, h.triangle, h.bary, ray.direction, cone.width_m);
+            s.emission *= met_emission(ray, h.instance, h.triangle, h.t, s);
+        }
+        if (SHADE && (!is_scattered || media.here.is_lit)) {
             var reused = vec2u(0u);
             if (REUSES_LIGHT && (PATHS == MIRROR_PATHS || (PATHS == HIT_PATHS && k == 0u))) { reused = reused_visibility(s); }
             color += found_light(throughput * met_light(ray, s, reused), hits + k);
+        }
+        if (is_scattered) {
+            uncovered = 0.0;
+            ray = scattered_within(s, throughput);
+            throughput *= ray.weight;
+            origin = s.position;
+            is_straight = false;
+            continue;
         }
         if (PATHS == HIT_PATHS && !HAS_INDIRECT) { break; }
         if (PATHS == FREE_PATHS && AIMS_THROUGH && first_way != ANY_WAY && !is_aimed_through(s)) {

@@ -29,6 +29,7 @@ const MAX_PANES: u32 = 4096u;
 const DARKEST_PANE: f32 = 1.0 / 255.0; // minimum share of light that a shadow ray follows further
 
 var<private> path_crossings: u32 = 0u; // number of surfaces crossed
+var<private> walk_scatterings: u32 = 0u; // number of scatterings of the path within solids
 var<private> far_weight: f32 = 1.0; // weight of the path from FAR_CROSSINGS on
 var<private> vertex: vec3f = vec3f(0.0); // position of the surface that the path left last
 // Whether the ray that arrives at a surface is the only one that finds the light beyond, so that light samples may share it.
@@ -36,12 +37,19 @@ var<private> finds_alone: bool = false;
 // Whether rays aimed from within a solid share the light that the path's ray sees: no solid lets them through.
 var<private> path_is_aimed: bool = false;
 var<private> shadow_is_aimed: bool = false; // whether shadow rays are such rays
-// Transmissive solids that a ray is in, and the absorption coefficients of the innermost ones, per meter.
+// Inside of a solid.
+struct Medium {
+    extinction: vec3f, // per meter
+    scattering: vec3f, // albedo of its isotropic scattering; black: clear
+    is_lit: bool, // whether light samples of a point within pass its surface
+}
+
+// Solids that a ray is in, and the insides of the innermost ones.
 struct Media {
     solids: u32,
-    here: vec3f,
-    around: vec3f,
-    farther: vec3f,
+    here: Medium,
+    around: Medium,
+    farther: Medium,
 }
 
 var<private> media: Media = Media(); // of the path
@@ -50,23 +58,32 @@ var<private> media: Media = Media(); // of the path
 fn start_path(position: vec3f, is_inside: bool) {
     vertex = position;
     path_crossings = 0u;
+    walk_scatterings = 0u;
     finds_alone = false;
     path_is_aimed = false;
     path_channel = 0u;
-    media = Media(max(frame.eye_solids, u32(is_inside)), frame.eye_absorption, vec3f(0.0), vec3f(0.0));
+    media = Media();
+    media.solids = max(frame.eye_solids, u32(is_inside));
+    media.here = Medium(frame.eye_extinction, frame.eye_scattering, !UNBIASED && frame.eye_is_lit > 0u);
+}
+
+fn medium_of(material: u32) -> Medium {
+    let extinction = material_extinction(material);
+    if (!HAS_SCATTERING) { return Medium(extinction, vec3f(0.0), false); }
+    return Medium(extinction, material_scattering(material), !UNBIASED && material_transmission(material) > 0.0);
 }
 
 // Media beyond a surface that a ray crosses; sheets within a solid leave it as it is.
 fn media_beyond(before: Media, s: Surface) -> Media {
-    if (!s.is_solid || s.transmission <= 0.0) { return before; }
-    if (s.is_inside) { return Media(max(before.solids, 1u) - 1u, before.around, before.farther, vec3f(0.0)); }
-    return Media(before.solids + 1u, s.absorption, before.here, before.around);
+    if (!s.is_solid || (s.transmission <= 0.0 && !bounds_scattering(s))) { return before; }
+    if (s.is_inside) { return Media(max(before.solids, 1u) - 1u, before.around, before.farther, Medium()); }
+    return Media(before.solids + 1u, medium_of(s.material), before.here, before.around);
 }
 
 // Share of light that is left after a distance where the path is (Beer-Lambert law).
 fn medium_transmittance(distance_m: f32) -> vec3f {
     if (!HAS_LAYERS) { return vec3f(1.0); }
-    return exp(-media.here * distance_m);
+    return exp(-media.here.extinction * distance_m);
 }
 
 // Whether the surface is the inner side of glass, which mirrors part of the light back into it, or all.
@@ -203,7 +220,7 @@ fn shade(s: Surface, view: vec3f, reused: vec2u) -> Shade {
     let is_aimed = is_aimed_through(s);
     if (mirrors_inside(s) && (!is_aimed || first_way == BACK)) { return out; }
     let has_coat = HAS_COATS && s.clearcoat > 0.0 && !is_aimed;
-    let passes = passes_diffusely(s) && !is_aimed;
+    let passes = passes_diffusely(s) && !is_aimed && (s.is_inside || !bounds_scattering(s));
     let within = media;
     if (is_aimed) { media = media_beyond(media, s); }
     shadow_is_aimed = is_aimed;
@@ -220,7 +237,10 @@ fn shade(s: Surface, view: vec3f, reused: vec2u) -> Shade {
             share = coat_transmittance(s, dot(coat_normal(s), view));
         }
         let is_other = HAS_DIFFUSE_TRANSMISSION && layer == 2u;
-        if (is_other) { part = other_side(s, view); }
+        if (is_other) {
+            part = other_side(s, view);
+            media = media_beyond(media, s);
+        }
         let lit = shade_layer(part, select(view, -view, is_other), select(reused | out.visible, vec2u(0u), is_other));
         out.diffuse += lit.diffuse * share;
         out.specular += lit.specular * share;
@@ -418,7 +438,7 @@ fn transmittance(origin: vec3f, direction: vec3f, distance_m: f32) -> vec3f {
         // Beyond many panes the next one is sought nearby first, past fewer nodes.
         ahead_m = select(1e30, 4.0 * (h.t - start_m), pane >= 16u && h.instance != NONE);
         if (h.instance == NONE && end_m < distance_m) { continue; }
-        share *= exp(-within.here * (h.t - start_m));
+        share *= exp(-within.here.extinction * (h.t - start_m));
         if (h.instance == NONE) { return share; }
         start_m = max(start_m, h.t);
         passed_cutout = vec2u(NONE);

@@ -27,8 +27,8 @@ struct Surface {
     coat_reflectivity: f32, // of the clear coat at normal incidence
     ior: f32,
     dispersion: f32, // 20 over the Abbe number
-    absorption: vec3f,
     is_solid: bool,
+    material: u32, // of a solid
     is_inside: bool, // seen from within a solid
     coat_normal: vec3f, // with HAS_COAT_NORMALS
     // Set with HAS_TINTS: factors on the reflectivity; `specular` also scales the reflectance at grazing angles.
@@ -62,6 +62,9 @@ override HAS_ROUGH_DIFFUSE: bool = true;
 
 // Whether some surface scatters diffuse light to its other side.
 override HAS_DIFFUSE_TRANSMISSION: bool = true;
+
+// Whether some solid scatters light within.
+override HAS_SCATTERING: bool = true;
 
 // Whether some opaque material has an index of refraction.
 override HAS_INDICES: bool = true;

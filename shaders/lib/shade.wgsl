@@ -102,7 +102,9 @@ fn below_lobe(s: Surface, view: vec3f, color: vec3f) -> vec3f {
 fn diffuse_albedo(s: Surface, view: vec3f) -> vec3f {
     let albedo = below_lobe(s, view, diffuse_color(s, view));
     if (!HAS_DIFFUSE_TRANSMISSION) { return albedo; }
-    return albedo * (1.0 - s.diffuse_transmission);
+    var within = vec3f(0.0);
+    if (path_scatterings >= frame.diffuse_bounces) { within = returned_from_within(s); }
+    return albedo * (1.0 - s.diffuse_transmission) + below_lobe(s, view, within * s.diffuse_transmission);
 }
 
 // Share of light from its other side that the surface scatters to the side of the view (KHR_materials_diffuse_transmission).

@@ -6,6 +6,7 @@
 #import capsule_normals
 #import curvature
 #import decals
+#import diffuse
 #import film
 #import patterned
 #import frame
@@ -291,7 +292,7 @@ fn surface_at(instance: u32, triangle: u32, place: vec2f, direction: vec3f, cone
         }
         s.ior = material_ior(m);
         s.dispersion = material_dispersion(m);
-        s.absorption = material_absorption(m);
+        s.material = m;
         s.is_solid = material_is_solid(m) != 0u;
         s.is_inside = behind && s.is_solid;
         s.alpha = 1.0;
@@ -303,6 +304,7 @@ fn surface_at(instance: u32, triangle: u32, place: vec2f, direction: vec3f, cone
     s = with_film(s, instance, c.index, bary, footprint, dot(s.normal, direction));
     if (HAS_COAT_NORMALS) { s.coat_normal = facing(coat_normal, ng); }
     s.geometric_normal = ng;
+    if (s.is_inside && bounds_scattering(s)) { s = without_specular(s); }
     return s;
 }
 

@@ -194,12 +194,37 @@ impl Material {
         (self.patterned.iter()).any(|pattern| pattern.value == PatternedKey::Bump)
     }
 
-    /// Absorption coefficient inside the material, per meter, by the Beer-Lambert law.
-    pub fn absorption(&self) -> Vec3 {
+    /// Whether the inside of the material scatters light that enters it.
+    pub fn scatters(&self) -> bool {
+        let is_entered = self.passes_light() || self.diffuse_transmission.is_some();
+        let is_dense = self.attenuation_distance_m.is_some();
+        self.solid && is_entered && is_dense && self.scattering_color.is_some()
+    }
+
+    /// Whether light goes on inside of the material.
+    pub fn has_medium(&self) -> bool {
+        self.scatters() || (self.solid && self.passes_light())
+    }
+
+    /// Extinction coefficient inside the material, per meter, by the Beer-Lambert law. Where light is scattered mostly
+    /// onward, that is none by the similarity relation (Wyman, Patterson & Wilson 1989), and the rest is scattered evenly.
+    pub fn extinction(&self) -> Vec3 {
         const LEAST: f32 = 1e-6; // black after the distance, without infinities
         let distance_m = self.attenuation_distance_m.unwrap_or(f32::INFINITY);
         let color = self.attenuation_color.max(Vec3::splat(LEAST));
-        (color.map(|c| -c.ln()) / distance_m).min(Vec3::splat(1e12))
+        let onward = self.scattering_anisotropy.clamp(-0.999, 0.999);
+        let reduced = match self.scattering_color.filter(|_| self.scatters()) {
+            Some(color) => {
+                (1.0 - onward) / (Vec3::ONE - onward * (Vec3::ONE - scattering_albedo(color)))
+            }
+            None => Vec3::ONE,
+        };
+        (color.map(|c| -c.ln()) / distance_m * reduced).min(Vec3::splat(1e12))
+    }
+
+    /// Share of the light that is lost on the way inside the material which is scattered, evenly into all directions.
+    pub fn scattering_albedo(&self) -> Vec3 {
+        (self.scattering_color.filter(|_| self.scatters())).map_or(Vec3::ZERO, scattering_albedo)
     }
 
     /// The textures without `uv_scale` in their transforms, in the order of [`Self::slots`].
@@ -307,4 +332,13 @@ impl Material {
             ends[0].max(ends[1]).max_element(),
         ]
     }
+}
+
+/// Single-scattering albedo of isotropic scattering by which a thick medium returns this color of diffuse light (Kulla & Conty
+/// 2017, "Revisiting Physically Based Shading at Imageworks", inverse of van de Hulst's fit).
+fn scattering_albedo(color: Vec3) -> Vec3 {
+    color.map(|c| {
+        let lack = 4.09712 + 4.20863 * c - (9.59217 + 41.6808 * c + 17.7126 * c * c).sqrt();
+        1.0 - lack.clamp(0.0, 1.0).powi(2)
+    })
 }

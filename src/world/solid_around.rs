@@ -1,4 +1,4 @@
-//! The transmissive solid that a point is in.
+//! The solid that a point is in, inside of which light goes on.
 
 use glam::Vec3;
 
@@ -10,11 +10,11 @@ use super::{
 /// Number of surfaces that are passed on the way out of the solid.
 const MOST_PASSED: usize = 256;
 
-/// Material of the innermost transmissive solid around a point; `None` where the point is in none. A ray upwards tells: it
+/// Material of the innermost such solid around a point; `None` where the point is in none. A ray upwards tells: it
 /// leaves the solid before it enters it.
 pub fn solid_around<'a>(world: &'a World, trees: &Trees, point: Vec3) -> Option<&'a Material> {
     let material = |instance: usize| &world.materials[world.instances[instance].material];
-    let is_solid = |i: usize| material(i).solid && material(i).passes_light();
+    let is_solid = |i: usize| material(i).has_medium();
     let is_near = |i: usize| {
         let bounds = world.bounds_of(&world.instances[i]);
         is_solid(i) && point.cmpge(bounds.min).all() && point.cmple(bounds.max).all()

@@ -76,7 +76,7 @@ fn pointers_switch_nodes_on_and_off() {
     doc.json["animations"] = json!([{
         "name": "blink", "samplers": [{"input": times, "output": switch, "interpolation": "STEP"}],
         "channels": [pointer("/nodes/4/extensions/KHR_node_visibility/visible"),
-                     pointer("/materials/0/extensions/KHR_materials_volume_scatter/scatterAnisotropy")]
+                     pointer("/materials/0/extensions/KHR_materials_sss/scatterDistance")]
     }]);
     let (_folder, mut desc) = doc.scene();
     let still = load_scene(&desc).expect("it loads");

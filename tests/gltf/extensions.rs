@@ -22,7 +22,7 @@ fn required_extensions_are_refused_by_name() {
 #[test]
 fn a_required_look_is_refused_when_asked() {
     let mut doc = Doc::triangle();
-    let names = ["KHR_materials_volume_scatter", "VENDOR_materials_glow"];
+    let names = ["KHR_materials_sss", "VENDOR_materials_glow"];
     doc.json["extensionsRequired"] = json!(names);
     let errors = doc.load().expect_err("unsupported");
     let help = errors[0].help.as_deref().expect("help");

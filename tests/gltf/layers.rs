@@ -20,8 +20,8 @@ fn what_passes_through_and_what_lies_over_a_material_is_read() {
     assert_eq!((m.transmission, m.ior, m.solid), (Some(0.75), 2.0, true));
     assert!((m.reflectivity - 1.0 / 9.0).abs() < 1e-6);
     assert!(m.double_sided, "rays leave it through its back");
-    let absorption = m.absorption();
-    assert!((absorption.x - 2.0 * 2.0_f32.ln()).abs() < 1e-5 && absorption.y == 0.0);
+    let extinction = m.extinction();
+    assert!((extinction.x - 2.0 * 2.0_f32.ln()).abs() < 1e-5 && extinction.y == 0.0);
     assert_eq!((m.clearcoat, m.clearcoat_roughness), (Some(0.5), 0.25));
 
     let mut doc = stone();
@@ -83,6 +83,8 @@ fn specular_sheen_and_the_textures_of_layers_are_read() {
     assert_eq!(drafts, (Some(2.0), Some(0.75)));
     let passed = (m.diffuse_transmission, m.diffuse_transmission_color);
     assert_eq!(passed, (Some(0.625), Vec3::new(0.25, 0.5, 1.0)));
+    let scattered = (m.scattering_color, m.scattering_anisotropy, m.solid);
+    assert_eq!(scattered, (Some(Vec3::new(0.5, 0.25, 1.0)), 0.25, true));
     assert!((m.anisotropy_rotation_deg - 0.5_f32.to_degrees()).abs() < 1e-4);
     // Textures of layers with a factor of 0 are not loaded.
     doc.json["materials"][0]["extensions"] = json!({

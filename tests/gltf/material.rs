@@ -75,10 +75,10 @@ fn texture_transform_turns_like_the_viewers() {
 fn unsupported_features_are_warned_about() {
     let mut doc = stone();
     doc.json["extensionsUsed"] = json!([
-        "KHR_materials_volume_scatter",
+        "KHR_materials_sss",
         "KHR_materials_unlit",
         "VENDOR_look",
-        "KHR_materials_volume_scatter"
+        "KHR_materials_sss"
     ]);
     let world = doc.world();
     assert_eq!(warnings(&world), ["extension-ignored", "extension-ignored"]);
@@ -86,7 +86,7 @@ fn unsupported_features_are_warned_about() {
     assert_eq!(
         messages.take(2).collect::<Vec<_>>(),
         [
-            "extension \"KHR_materials_volume_scatter\" is ignored",
+            "extension \"KHR_materials_sss\" is ignored",
             "extension \"VENDOR_look\" is ignored"
         ]
     );

@@ -87,8 +87,7 @@ fn materials_textures_lights_and_cameras_change() {
 #[test]
 fn what_a_pointer_cannot_change_is_named() {
     let folder = Folder::new();
-    let unknown =
-        "/materials/0/extensions/KHR_materials_volume_scatter/scatterAnisotropy SCALAR 0 1
+    let unknown = "/materials/0/extensions/KHR_materials_sss/scatterDistance SCALAR 0 1
                    /cameras/0/orthographic/ymag SCALAR 1 3";
     let world = halfway(&folder, &doc(unknown));
     assert_eq!(warnings(&world), ["animation-pointer"]);

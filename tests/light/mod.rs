@@ -26,4 +26,5 @@ mod near;
 mod panorama;
 mod passed;
 mod random_materials;
+mod scattering;
 mod sheen;

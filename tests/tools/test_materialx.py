@@ -1,5 +1,6 @@
 """MaterialX documents beside a stage: node graphs of textures, and unreadable parts."""
 
+import math
 import os
 import re
 import sys
@@ -208,6 +209,42 @@ def test_thin_walls_pass_diffuse_light(
     found = entry.get("extensions", {}).get("KHR_materials_diffuse_transmission")
     assert found == (pytest.approx(fields) if through else None)
     assert entry["pbrMetallicRoughness"]["baseColorFactor"] == pytest.approx([base] * 3 + [1])
+
+
+WAX = {"subsurface_weight": "float 0.75", "subsurface_radius": "float 0.5"}
+SKIN = {"subsurface": "float 0.75", "subsurface_radius": "color3 1, 0.5, 0.25", "coat": "float 1"}
+
+
+@pytest.mark.parametrize(
+    ("inputs", "color"),
+    [
+        (WAX | {"subsurface_scatter_anisotropy": "float 0.25"}, [0.8, 0.5, 0.25]),
+        (SKIN | {"subsurface_scale": "float 0.5", "subsurface_anisotropy": "float 0.25"}, None),
+        (WAX | {"subsurface_radius": "float 0"}, []),
+        (WAX | {"transmission_weight": "float 0.5"}, []),
+    ],
+)
+def test_solids_scatter_light_within(
+    tmp_path: Path, inputs: dict[str, str], color: list[float] | None
+) -> None:
+    kind = "standard_surface" if "coat" in inputs else "open_pbr_surface"
+    colors = {"subsurface_color": "color3 0.8, 0.5, 0.25", "coat_color": "color3 0.5, 0.5, 0.5"}
+    done = convert(tmp_path, document(surface(kind, **colors, **inputs)))
+    assert done.validated().passed
+    found = material(done).get("extensions", {})
+    if color == []:
+        assert "KHR_materials_volume_scatter" not in found
+        return
+    assert found["KHR_materials_volume_scatter"] == {
+        "multiscatterColor": pytest.approx(color or [0.4, 0.25, 0.125]),
+        "scatterAnisotropy": 0.25,
+    }
+    assert found["KHR_materials_volume"] == {
+        "thicknessFactor": 1.0,
+        "attenuationColor": pytest.approx([math.exp(-1.0), math.exp(-2.0), math.exp(-4.0)]),
+        "attenuationDistance": pytest.approx(0.5),
+    }
+    assert found["KHR_materials_diffuse_transmission"]["diffuseTransmissionFactor"] == 0.75
 
 
 def test_layers_of_gltf_pbr_are_carried_without_a_word(tmp_path: Path) -> None:

@@ -204,14 +204,15 @@ impl Estimator<'_> {
         let passed = f64::from(material.diffuse_transmission.unwrap_or(0.0));
         let around = ambient(&self.sky, point.normal);
         let mut light = look.emission;
-        // Light on this side of the surface, and on its other side.
+        // A solid returns light that it scatters where it entered; other light passes from the other side.
+        let scattered = material.scattering_color.filter(|_| material.scatters());
+        let (passed_color, side) = match scattered {
+            Some(color) => (color, point.normal),
+            None => (material.diffuse_transmission_color, -point.normal),
+        };
         for (color, share, normal) in [
             (look.base_color, 1.0 - passed, point.normal),
-            (
-                material.diffuse_transmission_color.as_dvec3(),
-                passed,
-                -point.normal,
-            ),
+            (passed_color.as_dvec3(), passed, side),
         ] {
             if share > 0.0 {
                 let point = SurfacePoint { normal, ..point };

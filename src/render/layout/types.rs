@@ -68,10 +68,14 @@ gpu_struct! {
         whole_surfaces: u32,
         /// Number of sub-frames that show a pixel, by which the footprints of its textures are finer.
         sub_frames: f32,
-        /// Absorption coefficient of the solid that the eye is in, per meter; 0: of none.
-        eye_absorption: [f32; 3],
+        /// Extinction coefficient of the solid that the eye is in, per meter; 0: of none.
+        eye_extinction: [f32; 3],
         /// Number of transmissive solids that the eye is in, 0 or 1.
         eye_solids: u32,
+        /// Albedo of the isotropic scattering in the solid that the eye is in; 0: of none.
+        eye_scattering: [f32; 3],
+        /// 1: the surface of that solid also refracts light, so that light samples pass it.
+        eye_is_lit: u32,
         /// Radiance that the camera sees in place of the environment.
         background: [f32; 3],
     }

@@ -12,6 +12,7 @@ use super::{
     uses::{has_coat_normals, passes_light},
 };
 use crate::settings::cutoff::has_specular;
+use reflet_world::Material;
 
 features! {
     /// Features of a frame.
@@ -312,6 +313,13 @@ features! {
         constant: HAS_DIFFUSE_TRANSMISSION,
         dropped: "diffuse transmission" => "no material passes diffuse light";
     }
+    /// Whether some solid scatters light within.
+    scattering {
+        used: scene.has(Material::scatters),
+        constant: HAS_SCATTERING,
+        dropped: "scattering inside of solids" => "no solid scatters light",
+            if transmission || diffuse_transmission;
+    }
     /// Whether some clear coat has an index of refraction of its own.
     coat_indices {
         used: scene.has(|m| m.clearcoat.is_some() && m.clearcoat_ior.is_some()),
@@ -368,9 +376,9 @@ features! {
     lists {
         follows: reflections || transmission,
     }
-    /// Whether some surface is transmissive or has a clear coat.
+    /// Whether some surface is transmissive, has a clear coat or bounds a solid that scatters light.
     layers {
-        follows: transmission || coats,
+        follows: transmission || coats || scattering,
         constant: HAS_LAYERS,
     }
     /// Whether specular lobes have strengths or colors, their own or a thin film's.

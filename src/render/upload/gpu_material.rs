@@ -77,8 +77,8 @@ filled! {
         transmission: f32 = m.transmission.unwrap_or(0.0),
         /// Strength of the clear coat.
         clearcoat: f32 = packed_coat(m.clearcoat.unwrap_or(0.0)),
-        /// Absorption coefficient inside a solid, per meter.
-        absorption: [f32; 3] = m.absorption().to_array(),
+        /// Extinction coefficient inside a solid, per meter.
+        extinction: [f32; 3] = m.extinction().to_array(),
         /// Index of refraction.
         ior: f32 = m.ior,
         /// Perceptual roughness of the clear coat.
@@ -121,6 +121,8 @@ filled! {
         layer_textures: [GpuTextureUse; LAYER_SLOTS] = textures.1,
         /// Numbers and colors that follow patterns.
         patterned: [GpuPatterned; MOST_PATTERNED] = std::array::from_fn(|i| GpuPatterned::from_pattern(m.patterned.get(i))),
+        /// Albedo of the isotropic scattering inside a solid; 0: clear.
+        scattering: [f32; 3] = m.scattering_albedo().to_array(),
         /// Roughness of the diffuse reflection.
         diffuse_roughness: f32 = m.diffuse_roughness.unwrap_or(0.0),
         /// Reflectance of the clear coat at normal incidence.

@@ -189,8 +189,8 @@ mod tests {
             &[
                 "@group(1) @binding(5) var materials: VectorTexels;",
                 "return vector_at(instances, 8u * i + 7u).y;",
-                "return bitcast<vec3f>(vector_at(materials, 86u * i + 1u).xyz);",
-                "return TextureUse(bitcast<vec3f>(vector_at(materials, 86u * i + 3u * slot + 13u).xyz), ",
+                "return bitcast<vec3f>(vector_at(materials, 87u * i + 1u).xyz);",
+                "return TextureUse(bitcast<vec3f>(vector_at(materials, 87u * i + 3u * slot + 13u).xyz), ",
             ],
         );
     }

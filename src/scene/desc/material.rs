@@ -124,16 +124,26 @@ material! {
         /// Thickness of a surface that light passes, meters, 0 or more: 0 is a thin sheet, through which light goes
         /// straight on; any other value makes the closed mesh a solid that refracts and absorbs along the way through
         /// it. Default 0, or the glTF value.
-        thickness_m under transmission: f32 [FROM_0];
+        thickness_m under transmission | scattering_color: f32 [FROM_0];
         /// Color that white light has after `attenuation_distance_m` inside a solid, three numbers 0 to 1. Default
         /// white.
-        attenuation_color under transmission under attenuation_distance_m under thickness_m: Vec3, Color in UNIT, "color that white light gets inside a solid" of "volume/attenuationColor" => rest Vec3::ONE;
+        attenuation_color under transmission | scattering_color under attenuation_distance_m under thickness_m: Vec3, Color in UNIT, "color that white light gets inside a solid" of "volume/attenuationColor" => rest Vec3::ONE;
         /// Distance inside a solid after which white light has the `attenuation_color`, meters, above 0. Less absorbs
         /// more. Default: nothing is absorbed.
-        attenuation_distance_m under transmission under thickness_m under attenuation_color: f32, Number in ABOVE_0, "distance after which white light has that color, meters" of "volume/attenuationDistance" => such_as "1";
+        attenuation_distance_m under transmission | scattering_color under thickness_m under attenuation_color: f32, Number in ABOVE_0, "distance after which white light has that color, meters" of "volume/attenuationDistance" => such_as "1";
+        /// Color of a solid that scatters light within, as wax, skin, marble and milk do (subsurface scattering,
+        /// `KHR_materials_volume_scatter`), three numbers 0 to 1: of the light that enters a thick piece, this is what comes
+        /// out again. Light enters by `transmission`, refracted, or by `diffuse_transmission`, scattered; how deep it gets the
+        /// attenuation says, of which scattering is then a part. Light that enters scattered is followed in
+        /// paths with `diffuse_bounces`; past the last of them, and without, it leaves where it entered.
+        /// Default black, or the glTF value.
+        scattering_color under transmission | diffuse_transmission under thickness_m under attenuation_color: Vec3, Color in UNIT, "color of light scattered in a solid" of "volume_scatter/multiscatterColor" => off "[0, 0, 0]";
+        /// How far that light is scattered onward rather than back, -1 to 1; 0 is even. More is deeper, in the same color: it
+        /// counts as even scattering in a thinner solid. Default 0, or the glTF value.
+        scattering_anisotropy under scattering_color: f32, Number in range(-1.0, 1.0), "anisotropy of scattering in a solid" of "volume_scatter/scatterAnisotropy" => rest 0.0;
         /// Share of the diffuse light that a surface scatters to its other side rather than back, 0 to 1, as leaves, paper
         /// and lampshades do (`KHR_materials_diffuse_transmission`). Light goes through a surface as through a thin sheet,
-        /// which both sides show; inside a solid of `transmission` with `thickness_m` this light is lost. Default 0, or the
+        /// which both sides show, but for a solid with a `scattering_color`; inside a solid of `transmission` alone it is lost. Default 0, or the
         /// glTF value.
         diffuse_transmission: f32, Number in UNIT, "share of diffuse light that passes" of "diffuse_transmission/diffuseTransmissionFactor" varies DiffuseTransmission => off "0";
         /// Color of the diffuse light that passes, three numbers 0 to 1; the base color does not tint it. Default white,

@@ -23,12 +23,13 @@ pub fn read(
     numbers: &mut Numbers<'_>,
 ) -> Result<MaterialDesc, Fault> {
     let passes = extensions.has("transmission");
+    let has_medium = passes || extensions.has("volume_scatter");
     let ior = index(extensions, out, numbers)?;
     let maps = extensions.textures();
     let has_map = |texture: LayerTexture| maps[texture as usize].is_some();
     let mut desc = MaterialDesc::default();
     for (path, key, own) in extensions.numbers() {
-        let is_read = path != EMISSIVE_STRENGTH && (passes || !path.starts_with("volume/"));
+        let is_read = path != EMISSIVE_STRENGTH && (has_medium || !path.starts_with("volume/"));
         let Some(field) = layer_field(key).filter(|_| is_read) else {
             continue;
         };
@@ -55,6 +56,8 @@ pub fn read(
     if passes {
         // An infinite index lets nothing through.
         out.ior = if ior == 0.0 { 1.5 } else { ior };
+    }
+    if has_medium {
         out.solid = own("volume/thicknessFactor", 0.0, f32::INFINITY)? > 0.0;
     }
     out.iridescence_least_nm = own(

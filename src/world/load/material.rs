@@ -198,7 +198,7 @@ impl Loader<'_> {
         if let Some(thickness_m) = desc.thickness_m {
             material.solid = thickness_m > 0.0;
         }
-        if material.solid && material.passes_light() || material.diffuse_transmission.is_some() {
+        if material.has_medium() || material.diffuse_transmission.is_some() {
             material.double_sided = true; // rays leave it through its back
         }
         for (texture, name) in scene_textures(desc) {

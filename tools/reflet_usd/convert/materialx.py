@@ -253,7 +253,8 @@ def _scattering(
 
     Thin walls scatter a share of the light that reaches this color to their other side, which is
     diffuse transmission: all of it in MaterialX's graph of standard surface, by the anisotropy in
-    OpenPBR (version 1.1, "Thin-walled case").
+    OpenPBR (version 1.1, "Thin-walled case"). Light enters a solid by diffuse transmission, and is
+    scattered within.
     """
     weight_name = "subsurface_weight" if is_open else "subsurface"
     weight = surface.weight(weight_name, "subsurface_")
@@ -268,9 +269,39 @@ def _scattering(
         inputs["diffuseTransmission"] = Constant((through,))
         inputs["diffuseTransmissionColor"] = color
         weight = Constant(((share - through) / max(1.0 - through, 1e-6),))
-    elif weight != Constant((0.0,)):
+    elif isinstance(weight, Constant) and isinstance(color, Constant) and weight.value[0] != 0.0:
+        radii = _radii(surface, is_open)
+        passes = surface.get("transmission_weight" if is_open else "transmission", (0.0,))
+        if radii is not None and passes == Constant((0.0,)):
+            share = surface.clamped(weight_name, weight.value[0], 0.0)
+            inputs["diffuseTransmission"] = Constant((share,))
+            inputs["multiscatterColor"] = color
+            name = "subsurface_scatter_anisotropy" if is_open else "subsurface_anisotropy"
+            turn = surface.clamped(name, surface.number(name, 0.0), -1.0)
+            inputs["scatterAnisotropy"] = Constant((turn,))
+            longest = max(radii)
+            inputs["attenuationDistance"] = Constant((longest,))
+            dark = tuple(math.exp(-longest / max(radius, 1e-9)) for radius in radii)
+            inputs["attenuationColor"] = Constant(dark)
+            return base
+    if weight != Constant((0.0,)):
         surface.lost.append(weight_name)
     return surface.mix("subsurface_color", base, color, weight)
+
+
+def _radii(surface: _Surface, is_open: bool) -> tuple[float, ...] | None:
+    """Mean free path of each color below a surface, meters; None where it varies, or is 0."""
+    if is_open:
+        scales = surface.get("subsurface_radius_scale", (1.0, 0.5, 0.25))
+        length = surface.get("subsurface_radius", (1.0,))
+    else:
+        scales = surface.get("subsurface_radius", _WHITE)
+        length = surface.get("subsurface_scale", (1.0,))
+    if not isinstance(scales, Constant) or not isinstance(length, Constant):
+        return None
+    meters = surface.reader.context.meters_per_unit
+    radii = tuple(max(scale * length.value[0] * meters, 0.0) for scale in scales.value)
+    return radii if max(radii) > 0.0 else None
 
 
 def _transmitting(
@@ -283,7 +314,7 @@ def _transmitting(
     meters = surface.reader.context.meters_per_unit
     inputs["transmission"] = weight
     inputs["thickness"] = Constant((0.0 if thin else meters,))
-    if depth > 0.0 and not thin:
+    if depth > 0.0 and not thin and "multiscatterColor" not in inputs:
         inputs["attenuationColor"] = color
         inputs["attenuationDistance"] = Constant((depth * meters,))
         color = Constant(_WHITE)
@@ -295,7 +326,7 @@ def _set_under_coat(surface: _Surface, inputs: dict[str, Source], base: Source) 
     color = surface.get("coat_color", _WHITE)
     tint = surface.mix("coat_color", Constant(_WHITE), color, inputs["clearcoat"])
     inputs["diffuseColor"] = base
-    for name in ("diffuseColor", "diffuseTransmissionColor"):
+    for name in ("diffuseColor", "diffuseTransmissionColor", "multiscatterColor"):
         if name in inputs:
             inputs[name] = surface.times("coat_color", inputs[name], tint)
 

@@ -25,6 +25,8 @@ _LAYER_INPUTS: dict[str, tuple[float, ...]] = {
     "diffuseRoughness": (0.0,),
     "diffuseTransmission": (0.0,),
     "diffuseTransmissionColor": (1.0, 1.0, 1.0),
+    "multiscatterColor": (0.0, 0.0, 0.0),
+    "scatterAnisotropy": (0.0,),
     "clearcoatIor": (1.5,),
     "coatNormal": (0.0, 0.0, 1.0),
 }
@@ -41,8 +43,10 @@ class LayeredMaterial(PreviewMaterial):
     ) -> dict[str, Any]:
         """The glTF material without name and sidedness."""
         entry = super().write(inputs, slots, display, has_colors)
+        transmission = self._transmission()
         layers = (
-            *self._transmission(),
+            *transmission,
+            *self._volume(passes=bool(transmission)),
             self._sheen(),
             self._specular_lobe(),
             self._anisotropy(),
@@ -81,22 +85,34 @@ class LayeredMaterial(PreviewMaterial):
         if transmission == {"transmissionFactor": 0.0}:
             return []
         layers = [("KHR_materials_transmission", transmission)]
-        volume = self._number_of_meters()
-        if volume is None:
-            return layers
-        color = self._unit("attenuationColor")
-        if self._texture("attenuationColor"):
-            message = "glTF has no texture for the color of a volume, taken as white"
-            self._warn("material-texture-dropped", message)
-            color = (1.0, 1.0, 1.0)
-        distance = self._numbers("attenuationDistance")[0]
-        if distance > 0.0:
-            volume["attenuationColor"], volume["attenuationDistance"] = list(color), distance
-        layers.append(("KHR_materials_volume", volume))
         dispersion = self._numbers("dispersion")[0]
-        if dispersion > 0.0:
+        if dispersion > 0.0 and self._number_of_meters() is not None:
             layers.append(("KHR_materials_dispersion", {"dispersion": dispersion}))
         return layers
+
+    def _volume(self, *, passes: bool) -> list[tuple[str, dict[str, Any]]]:
+        """Volume that transmitted light is in, or that scatters light."""
+        scattered = self._volume_color("multiscatterColor")
+        volume = self._number_of_meters()
+        if volume is None or not (passes or any(scattered)):
+            return []
+        color = self._volume_color("attenuationColor")
+        distance = self._numbers("attenuationDistance")[0]
+        if distance > 0.0:
+            volume["attenuationColor"], volume["attenuationDistance"] = color, distance
+        layers = [("KHR_materials_volume", volume)]
+        if any(scattered):
+            anisotropy = self._numbers("scatterAnisotropy")[0]
+            fields = {"multiscatterColor": scattered, "scatterAnisotropy": anisotropy}
+            layers.append(("KHR_materials_volume_scatter", fields))
+        return layers
+
+    def _volume_color(self, name: str) -> list[float]:
+        if not self._texture(name):
+            return list(self._unit(name))
+        message = "glTF has no texture for the color of a volume, taken as white"
+        self._warn("material-texture-dropped", message)
+        return [1.0, 1.0, 1.0]
 
     def _number_of_meters(self) -> dict[str, Any] | None:
         """Thickness of the volume; None for surfaces that enclose none."""

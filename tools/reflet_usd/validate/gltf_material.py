@@ -71,6 +71,8 @@ _PLACES = {
     "thickness": _Place("volume", "thicknessTexture", "thicknessFactor", (0.0,), [1]),
     "attenuationColor": _Place("volume", "", "attenuationColor", _WHITE, _RGB),
     "attenuationDistance": _Place("volume", "", "attenuationDistance", (0.0,), [0]),
+    "multiscatterColor": _Place("volume_scatter", "", "multiscatterColor", _BLACK, _RGB),
+    "scatterAnisotropy": _Place("volume_scatter", "", "scatterAnisotropy", (0.0,), [0]),
 }
 # The color reflected head on by a surface of ior 1.5, which is 0.04 times the tint.
 _PLACES["specularColor"] = _PLACES["specularTint"]

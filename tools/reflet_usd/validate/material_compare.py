@@ -45,6 +45,8 @@ LAYERS = (
     "thickness",
     "attenuationColor",
     "attenuationDistance",
+    "multiscatterColor",
+    "scatterAnisotropy",
 )
 """Channels beyond UsdPreviewSurface's."""
 _OF_COAT = ("clearcoatIor", "clearcoatRoughness")
@@ -441,7 +443,7 @@ def _difference(name: str, wanted: Array, found: Array, reach: float = 1.0) -> f
     """
     if name == "emissiveColor":
         wanted = np.maximum(wanted, 0.0)
-    elif name == "normal" or name in ("thickness", "attenuationDistance"):
+    elif name == "normal" or name in ("thickness", "attenuationDistance", "scatterAnisotropy"):
         pass
     elif name in ("clearcoatIor", "ior"):
         wanted = np.where(wanted == 0.0, 0.0, np.maximum(wanted, 1.0))

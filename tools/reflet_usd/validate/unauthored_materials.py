@@ -37,7 +37,7 @@ _ATTRIBUTES = re.compile(r"POSITION|NORMAL|TEXCOORD_\d+|COLOR_0|JOINTS_\d+|WEIGH
 
 
 _LAYERS = re.compile(
-    "KHR_materials_(specular|sheen|transmission|volume|dispersion|iridescence|anisotropy|clearcoat"
+    "KHR_materials_(specular|sheen|transmission|volume|volume_scatter|dispersion|iridescence|anisotropy|clearcoat"
     "|diffuse_roughness|diffuse_transmission)"
 )
 """Extensions that hold the layers of MaterialX's surfaces."""

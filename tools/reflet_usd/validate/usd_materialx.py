@@ -122,17 +122,22 @@ class _Rules:
         self.read.add(name)
         return lambda st: self.nodes.value(self.shader, name, default, st)
 
-    def number(self, name: str, default: float) -> float:
-        """An input that is one number for a whole glTF material; its default where it varies."""
+    def fixed(self, name: str, *default: float) -> Array | None:
+        """An input that has one value for a whole material; None where it varies."""
         known, self.nodes.images = self.nodes.images, set()
         try:
-            values = self.of(name, default)(_SOMEWHERE)[:, 0]
-            one = np.full(len(values), values[0])
-            varies = bool(self.nodes.images) or not np.array_equal(values, one, equal_nan=True)
+            values = self.of(name, *default)(_SOMEWHERE)
+            same = np.tile(values[0], (len(values), 1))
+            varies = bool(self.nodes.images) or not np.array_equal(values, same, equal_nan=True)
         except (UnknownError, ValueError):
             varies = True
         self.nodes.images |= known
-        return default if varies else float(values[0])
+        return None if varies else values[0]
+
+    def number(self, name: str, default: float) -> float:
+        """An input that is one number for a whole glTF material; its default where it varies."""
+        value = self.fixed(name, default)
+        return default if value is None else float(value[0])
 
     def _layered(self) -> dict[str, Function]:
         """Channels of standard surface and OpenPBR."""
@@ -157,6 +162,13 @@ class _Rules:
             share = min(max(share, 0.0), 1.0)
             passed = share * (1.0 + min(max(forward, -1.0), 1.0)) / 2.0
             under = _constant((share - passed) / max(1.0 - passed, 1e-6))
+
+        # Solids whose weight, color and radius are one value each scatter light within.
+        walk: dict[str, Function] = {}
+        if not thin and share != 0.0 and not math.isnan(share):
+            walk = self._walk(is_open)
+        if walk:
+            passed, under = min(max(share, 0.0), 1.0), _constant(0.0)
 
         def below_coat(shown: Array, st: Array) -> Array:
             return shown * _mix(np.ones(3), coat_tint(st), coat(st))
@@ -188,12 +200,38 @@ class _Rules:
             "thickness": _constant(0.0 if thin else self.meters),
         }
         functions["diffuseTransmission"] = _constant(passed)
-        if passed > 0.0:
+        if walk:
+            functions |= walk
+            functions["multiscatterColor"] = lambda st: below_coat(scattered(st), st)
+        elif passed > 0.0:
             functions["diffuseTransmissionColor"] = lambda st: below_coat(scattered(st), st)
-        if absorbs:
+        if absorbs and not walk:
             functions["attenuationColor"] = tint
             functions["attenuationDistance"] = _constant(depth * self.meters)
         return functions
+
+    def _walk(self, is_open: bool) -> dict[str, Function]:
+        """Channels of the inside of a solid that scatters light; none of another."""
+        color = self.fixed("subsurface_color", *(_GRAY if is_open else _WHITE))
+        through = self.fixed("transmission", 0.0)
+        if is_open:
+            radius = self.fixed("subsurface_radius", 1.0)
+            scales = self.fixed("subsurface_radius_scale", 1.0, 0.5, 0.25)
+        else:
+            radius = self.fixed("subsurface_scale", 1.0)
+            scales = self.fixed("subsurface_radius", *_WHITE)
+        if color is None or through is None or through[0] != 0.0:
+            return {}
+        if radius is None or scales is None or (radius * scales).max() <= 0.0:
+            return {}
+        paths = np.maximum(radius * scales * self.meters, 1e-9)
+        name = "subsurface_scatter_anisotropy" if is_open else "subsurface_anisotropy"
+        turn = min(max(self.number(name, 0.0), -1.0), 1.0)
+        return {
+            "attenuationColor": lambda st: np.tile(np.exp(-paths.max() / paths), (len(st), 1)),
+            "attenuationDistance": _constant(paths.max()),
+            "scatterAnisotropy": _constant(turn),
+        }
 
     def _gltf(self) -> dict[str, Function]:
         """Channels of glTF PBR, whose inputs are glTF's own."""

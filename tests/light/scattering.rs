@@ -1,0 +1,86 @@
+//! Light that is scattered inside of solids, against closed forms and a walk on the processor.
+
+use super::kit::*;
+
+#[test]
+fn white_solids_return_all_light_that_enters() {
+    let Some(gpu) = gpu() else { return };
+    let picture = render(gpu, include_str!("scattering/white.toml"), &[], &[]);
+    for channel in mean(&picture) {
+        assert_close(channel, 1.0, 0.01);
+    }
+}
+
+const COLOR: [f32; 3] = [0.8, 0.6, 0.3];
+
+/// Color of a slab: `thick` or `thin`.
+fn slab(gpu: &Gpu, seen: &str, set: &[&str]) -> [f32; 3] {
+    let other = if seen == "thin" { "thick" } else { "thin" };
+    let text = include_str!("scattering/slabs.toml");
+    let text = text.replace("SEEN", seen).replace("OTHER", other);
+    mean(&render(gpu, &text, set, &[]))
+}
+
+#[test]
+fn a_thick_solid_returns_its_color_and_a_thin_one_what_a_walk_says() {
+    let Some(gpu) = gpu() else { return };
+    // Light that is scattered onward goes deeper, but in the same color.
+    for anisotropy in ["0", "0.6"] {
+        let set = format!("material.thick.scattering_anisotropy={anisotropy}");
+        for (found, expected) in slab(gpu, "thick", &[&set]).into_iter().zip(COLOR) {
+            assert_close(found, expected, 0.03);
+        }
+    }
+    for (found, color) in slab(gpu, "thin", &[]).into_iter().zip(COLOR) {
+        assert_close(found, seen_through_sheet(f64::from(color)) as f32, 0.03);
+    }
+}
+
+#[test]
+fn light_leaves_a_solid_where_it_entered_if_no_path_is_followed() {
+    let Some(gpu) = gpu() else { return };
+    let found = slab(gpu, "thick", &["reflection.method=rt", "image.samples=1"]);
+    for (found, expected) in found.into_iter().zip(COLOR) {
+        assert_close(found, expected, 2e-3);
+    }
+}
+
+/// Light that arrives straight from above out of a sheet one mean free path thick with this multiple-scattering color, in the
+/// scene's environment: the mean over walks of a photon backwards.
+fn seen_through_sheet(color: f64) -> f64 {
+    // The inverse of van de Hulst's albedo by bisection, not by the fit that the renderer takes.
+    let [mut low, mut high] = [0.0, 1.0];
+    for _ in 0..60 {
+        let lack: f64 = 0.5 * (low + high);
+        let returned = (1.0 - lack) * (1.0 - 0.139 * lack) / (1.0 + 1.17 * lack);
+        [low, high] = if returned > color {
+            [lack, high]
+        } else {
+            [low, lack]
+        };
+    }
+    let albedo = 1.0 - low * low;
+    let mut state = 1_u64;
+    let mut random = || {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        ((state >> 33) as f64 + 0.5) / f64::from(1_u32 << 31)
+    };
+    let walks = 40_000;
+    let mut sum = 0.0;
+    for _ in 0..walks {
+        let (mut depth, mut down, mut weight) = (0.0, 1.0, 1.0);
+        loop {
+            depth -= random().ln() * down;
+            if !(0.0..=1.0).contains(&depth) {
+                // Radiance of the environment in this direction.
+                sum += weight * (1.0 - f64::max(down, 0.0));
+                break;
+            }
+            weight *= albedo;
+            down = 2.0 * random() - 1.0;
+        }
+    }
+    sum / f64::from(walks)
+}
