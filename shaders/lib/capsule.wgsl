@@ -3,6 +3,7 @@
 // Its two coordinates of points of the surface stand in hits where triangles have barycentric weights.
 
 #import basis
+#import constants
 
 // Whether some mesh is of capsules.
 override HAS_CAPSULES: bool = true;
@@ -66,8 +67,6 @@ fn capsule_frame(axis: vec3f) -> mat3x3f {
     return basis(select(vec3f(0.0, 0.0, 1.0), axis * inverseSqrt(max(length2, 1e-37)), length2 > 0.0));
 }
 
-const CAPSULE_PI: f32 = 3.14159265358979;
-
 // Share of the segment at which the axis is nearest to a point, which is relative to the base.
 fn capsule_share(point: vec3f, axis: vec3f) -> f32 {
     return clamp(dot(point, axis) / max(dot(axis, axis), 1e-37), 0.0, 1.0);
@@ -77,10 +76,10 @@ fn capsule_share(point: vec3f, axis: vec3f) -> f32 {
 fn capsule_place(point: vec3f, axis: vec3f, radius: f32) -> vec2f {
     let share = capsule_share(point, axis);
     let normal = normalize(point - axis * share) * capsule_frame(axis);
-    let meridian = atan2(normal.z, length(normal.xy)) + 0.5 * CAPSULE_PI;
+    let meridian = atan2(normal.z, length(normal.xy)) + 0.5 * PI;
     let length_m = length(axis);
-    let angle = atan2(normal.y, normal.x) / (2.0 * CAPSULE_PI);
-    return vec2f((share * length_m + radius * meridian) / (length_m + radius * CAPSULE_PI), fract(angle));
+    let angle = atan2(normal.y, normal.x) / (2.0 * PI);
+    return vec2f((share * length_m + radius * meridian) / (length_m + radius * PI), fract(angle));
 }
 
 struct CapsulePoint {
@@ -90,10 +89,10 @@ struct CapsulePoint {
 
 fn capsule_point(place: vec2f, axis: vec3f, radius: f32) -> CapsulePoint {
     let length_m = length(axis);
-    let along = place.x * (length_m + radius * CAPSULE_PI) - radius * 0.5 * CAPSULE_PI;
+    let along = place.x * (length_m + radius * PI) - radius * 0.5 * PI;
     let on_axis = clamp(along, 0.0, length_m);
     let latitude = (along - on_axis) / radius;
-    let angle = place.y * 2.0 * CAPSULE_PI;
+    let angle = place.y * 2.0 * PI;
     let normal = capsule_frame(axis) * vec3f(cos(angle) * cos(latitude), sin(angle) * cos(latitude), sin(latitude));
     return CapsulePoint(on_axis / max(length_m, 1e-30), normal);
 }

@@ -10,8 +10,6 @@
 @group(0) @binding(3) var shadow_maps: texture_depth_2d_array;
 @group(0) @binding(4) var shadow_sampler: sampler_comparison;
 
-const PI: f32 = 3.14159265358979;
-
 // Whether something names a light group, so that pictures may show one group alone. Random choices are made among all
 // lights, so that the groups add up to the whole picture.
 override HAS_LIGHT_GROUPS: bool = true;

@@ -13,7 +13,6 @@
 @group(2) @binding(3) var level: texture_storage_2d_array<rgba16float, write>;
 @group(2) @binding(4) var<uniform> params: Params;
 
-const PI: f32 = 3.14159265358979;
 const SAMPLES: u32 = 64u;
 
 // Mean of four pixels of the finer level.
