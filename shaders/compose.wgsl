@@ -6,8 +6,6 @@
 #import cause
 #import fogged
 
-override HAS_REFLECTIONS: bool = true;
-
 @group(2) @binding(5) var radiance: texture_2d<f32>;
 @group(2) @binding(6) var specular: texture_2d<f32>;
 @group(2) @binding(7) var reflection: texture_2d<f32>;

@@ -5,8 +5,6 @@
 #import gbuffer
 #import guides_params
 
-override HAS_REFLECTIONS: bool = true;
-
 @group(2) @binding(5) var cause: texture_2d<u32>;
 @group(2) @binding(6) var hit: texture_2d<u32>;
 @group(2) @binding(7) var guides: texture_storage_2d_array<r32float, read_write>; // red, green, blue; x, y, z

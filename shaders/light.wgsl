@@ -9,11 +9,6 @@
 @group(2) @binding(7) var visible_lights: texture_storage_2d<rg32uint, write>;
 @group(2) @binding(8) var counts: texture_storage_2d<rgba32uint, write>; // with COUNT
 
-// Whether the camera sees the environment.
-override SHOW_ENVIRONMENT: bool = true;
-// Whether the background is transparent.
-override HIDES_BACKGROUND: bool = false;
-
 @compute @workgroup_size(GROUP_PX, GROUP_PX)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_id) local: vec3u) {
     let pixel = invoked_pixel(group, groups, local);

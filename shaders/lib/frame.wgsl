@@ -27,6 +27,13 @@ fn is_reflected(i: u32) -> bool {
     return !HIDES_LIGHTS || lights[i].reflected != 0u;
 }
 
+override HAS_REFLECTIONS: bool = true; // whether there are reflective pixels
+
+// Whether the camera sees the environment, and whether it sees a transparent background: by its straight rays, also
+// through surfaces of partial coverage. Refracted and mirrored rays always see the environment.
+override SHOW_ENVIRONMENT: bool = true;
+override HIDES_BACKGROUND: bool = false;
+
 // Whether light outside of the crop is left out.
 override CROPS: bool = false;
 

@@ -20,12 +20,6 @@ const HIT_PATHS: u32 = 2u; // mirror rays from their known first hits on, where 
 // much of the time traversal takes.
 override SHADE: bool = true;
 
-// Whether the background is transparent, where the camera sees it through surfaces of partial coverage.
-override HIDES_BACKGROUND: bool = false;
-
-// Whether straight rays of the camera show the environment; refracted and mirrored rays always do.
-override SHOW_ENVIRONMENT: bool = true;
-
 const FIRST_ENDING: u32 = 4u; // number of vertices before Russian roulette starts
 const MOST_LIKELY: f32 = 0.95; // maximum survival probability
 

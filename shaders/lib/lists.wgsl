@@ -5,9 +5,7 @@
 #import depth_pyramid
 #import frame
 
-// Whether there are reflective pixels, and whether their rays are marched.
-override HAS_REFLECTIONS: bool = true;
-override MARCH: bool = true;
+override MARCH: bool = true; // whether the rays of reflective pixels are marched
 
 @group(2) @binding(20) var<storage, read_write> lists: array<u32>;
 @group(2) @binding(21) var<storage, read_write> counters: array<atomic<u32>, COUNTERS>;
