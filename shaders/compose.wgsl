@@ -4,12 +4,12 @@
 #import compose_params
 #import gbuffer
 #import cause
-#import fogged
 
 @group(2) @binding(5) var radiance: texture_2d<f32>;
 @group(2) @binding(6) var specular: texture_2d<f32>;
 @group(2) @binding(7) var reflection: texture_2d<f32>;
 @group(2) @binding(8) var transmitted_light: texture_2d<f32>;
+@group(2) @binding(9) var fog_light: texture_2d<f32>; // w: transmittance
 @group(2) @binding(10) var indirect_light: texture_2d<f32>;
 @group(2) @binding(11) var cause: texture_2d<u32>;
 @group(2) @binding(12) var hit: texture_2d<u32>;
@@ -45,8 +45,11 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     if (HAS_LAYERS && any(frame.eye_extinction > vec3f(0.0))) {
         out *= exp(-frame.eye_extinction * textureLoad(view_depth, pixel, 0).x * length(pixel_ray(vec2f(pixel) + 0.5)));
     }
-    out = fogged(pixel, out);
-    unlit *= seen_through_fog(pixel);
+    if (HAS_FOG) {
+        let air = textureLoad(fog_light, pixel, 0);
+        out = out * air.w + air.xyz;
+        unlit *= air.w;
+    }
     if (params.sample > 0u) {
         let before = textureLoad(previous, pixel, 0);
         out += before.xyz;
