@@ -260,7 +260,7 @@ fn reflect_pixel(pixel: vec2u) -> u32 {
     textureStore(hit, pixel, found);
     textureStore(cause, pixel, vec4u(pack_cause(m.cause, select(m.distance_m, 0.0, is_hit)), 0u, 0u, 0u));
     if (!HAS_FOG && m.cause == CAUSE_NONE) {
-        textureStore(reflection, pixel, stored(smoothable(s, ray, beyond(s.position, ray))));
+        textureStore(reflection, pixel, stored(smoothable(s, ray, seen_at_end(s.position, ray, NONE, FAR_M).radiance)));
     } else if (!TRACE && !is_hit) {
         textureStore(reflection, pixel, vec4f(0.0, 0.0, 0.0, 1.0));
     }

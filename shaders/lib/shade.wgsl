@@ -240,13 +240,6 @@ fn met_light(ray: Reflected, s: Surface, reused: vec2u) -> vec3f {
     return (lit.diffuse + lit.specular) * ray.kept;
 }
 
-// Light that a reflection ray sees if it meets no surface: lights with a size and the environment.
-fn beyond(origin: vec3f, ray: Reflected) -> vec3f {
-    let light = seen_light(origin, ray, 2.0 * FAR_M);
-    if (light.is_seen) { return light.radiance; }
-    return environment(ray.direction) * ray.sky_weight;
-}
-
 // Light that the ray of a path sees at its end, unless that is the surface that it meets: a light with a size or, past
 // all surfaces, the environment. `instance` and `distance_m` belong to the surface; NONE where there is none.
 fn seen_at_end(origin: vec3f, ray: Reflected, instance: u32, distance_m: f32) -> SeenLight {

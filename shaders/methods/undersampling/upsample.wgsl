@@ -105,7 +105,7 @@ fn follow_neighbors(pixel: vec2u) -> bool {
     if (around.instance == NONE) {
         keep_cause(pixel, around.cause);
         textureStore(hit, pixel, vec4u(0u, NONE, NONE, 0u));
-        textureStore(reflection, pixel, stored(vec4f(beyond(origin, ray), 1.0)));
+        textureStore(reflection, pixel, stored(vec4f(seen_at_end(origin, ray, NONE, FAR_M).radiance, 1.0)));
         return true;
     }
     let met = meet_around(around, origin, ray.direction);
