@@ -24,7 +24,12 @@ fn fog_before(pixel: vec2u) -> vec4f {
     let origin = pixel_origin(center);
     start_path(origin, false);
     start_samples(pixel, FIRST_VERTEX);
-    return stored(air_before(pixel, FIRST_VERTEX, origin, normalize(along), distance_m));
+    let way = way_in_fog(origin, normalize(along), distance_m);
+    var light = vec3f(0.0);
+    for (var k = 0u; k < sampling.rays; k++) { light += scattered_on_way(way, first_light_sample() + k, 1.0); }
+    light /= f32(sampling.rays);
+    if (FOLLOWS_FOG) { light += gathered_by_path(pixel, FIRST_VERTEX + 1u, 1u, scattered_start(way), pixel_cone(0.0), false).xyz; }
+    return stored(vec4f(light, 1.0 - way.scattered));
 }
 
 @compute @workgroup_size(GROUP_PX, GROUP_PX)

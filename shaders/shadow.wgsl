@@ -1,7 +1,6 @@
 // Shadow: depth from one light, into a cube face or a flat map.
 
 #import capsules_cast
-#import frame
 #import placed
 #import pulled_vertex
 #import shadow_params

@@ -13,17 +13,6 @@
 const PATHS: u32 = FREE_PATHS;
 const FIRST_VERTEX: u32 = 64u; // offset of sample numbers: others than for reflections
 
-// Surface of a pixel, with the material's values that the G-buffer does not hold.
-fn completed(pixel: vec2u) -> Surface {
-    var s = load_surface(pixel);
-    let m = instance_material(textureLoad(ids, pixel, 0).x);
-    s.ior = material_ior(m);
-    s.dispersion = material_dispersion(m);
-    s.material = m;
-    s.is_solid = material_is_solid(m) != 0u;
-    return s;
-}
-
 // Light from behind the surface of a pixel along one path, which goes this way from the inner side behind it; w: share
 // that is covered by surfaces rather than the background.
 fn behind_once(pixel: vec2u, s: Surface, way: u32) -> vec4f {
@@ -31,7 +20,8 @@ fn behind_once(pixel: vec2u, s: Surface, way: u32) -> vec4f {
     first_way = way;
     start_path(s.position, false);
     start_samples(pixel, FIRST_VERTEX);
-    let ray = through(view_direction(s.position), s);
+    cross_surface(s);
+    let ray = in_one_channel(s, transmitted(view_direction(s.position), dispersed(s)));
     let start = Start(ray, onward_origin(s, ray.direction));
     let cone = pixel_cone(distance(s.position, frame.eye));
     let found = gathered_by_path(pixel, FIRST_VERTEX + 1u, 0u, start, cone, s.transmission <= 0.0);
@@ -41,8 +31,14 @@ fn behind_once(pixel: vec2u, s: Surface, way: u32) -> vec4f {
 }
 
 fn behind(pixel: vec2u) -> vec4f {
-    let s = completed(pixel);
+    var s = load_surface(pixel);
     if (!is_transmissive(s)) { return vec4f(0.0, 0.0, 0.0, 1.0); }
+    // The G-buffer does not hold these values of the material.
+    let m = instance_material(textureLoad(ids, pixel, 0).x);
+    s.ior = material_ior(m);
+    s.dispersion = material_dispersion(m);
+    s.material = m;
+    s.is_solid = material_is_solid(m) != 0u;
     // More paths in the first pictures, where glass turns or scatters light, so that one path that ends in the dark
     // leaves no black speck.
     let is_rough = HAS_ROUGH_REFLECTIONS && s.roughness * s.roughness > SMOOTH_ALPHA;

@@ -86,10 +86,9 @@ fn lobe_ray(direction: vec3f, s: Surface) -> Reflected {
     let sampled = mirroring_facet(s, direction, bound);
     let facet = sampled.normal;
     let out = mirrored(s, direction, facet);
-    let seen = sampled.share;
-    if (seen <= 0.0) { return Reflected(mirror, vec3f(0.0), 0.0, 1.0, 1.0, s.normal); }
+    if (sampled.share <= 0.0) { return Reflected(mirror, vec3f(0.0), 0.0, 1.0, 1.0, s.normal); }
     let facets = masked(s, -direction, nv);
-    let bounded = seen * (bound * nv + facets) / (nv + facets);
+    let bounded = sampled.share * (bound * nv + facets) / (nv + facets);
     let weight = fresnel(s, dot(facet, -direction)) * compensation(s, -direction) * (bounded * base_share(s, -direction));
     if (mirrors_inside(s)) { return Reflected(lifted(out, s), weight, 0.0, kept, kept, s.normal); }
     let pdf = lobe_density(s, -direction, out);

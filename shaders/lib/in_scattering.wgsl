@@ -206,14 +206,3 @@ fn through_air(origin: vec3f, ray: Reflected, distance_m: f32) -> Air {
     air.light = scattered_on_way(way, sample_index(), sky_kept(ray)) * ray.kept;
     return passed(air, way);
 }
-
-// Light that the fog before a pixel scatters towards the eye, and its transmittance. `vertex` is the number of the
-// samples.
-fn air_before(pixel: vec2u, vertex: u32, origin: vec3f, direction: vec3f, distance_m: f32) -> vec4f {
-    let way = way_in_fog(origin, direction, distance_m);
-    var light = vec3f(0.0);
-    for (var k = 0u; k < sampling.rays; k++) { light += scattered_on_way(way, first_light_sample() + k, 1.0); }
-    light /= f32(sampling.rays);
-    if (FOLLOWS_FOG) { light += gathered_by_path(pixel, vertex + 1u, 1u, scattered_start(way), pixel_cone(0.0), false).xyz; }
-    return vec4f(light, 1.0 - way.scattered);
-}

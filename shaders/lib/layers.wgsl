@@ -320,12 +320,6 @@ fn only_lobe(s: Surface, view: vec3f) -> OnlyLobe {
     return OnlyLobe(base, select(passed * s.alpha, 0.0, has_traced_coat(s)));
 }
 
-// First ray of a path through the surface of a pixel.
-fn through(direction: vec3f, s: Surface) -> Reflected {
-    cross_surface(s);
-    return in_one_channel(s, transmitted(direction, dispersed(s)));
-}
-
 // Share of the light scattered below the surface's layers that leaves them towards the view.
 fn scattered_share(s: Surface, view: vec3f) -> f32 {
     if (!HAS_LAYERS) { return 1.0; }

@@ -39,11 +39,6 @@ fn first_light_sample() -> u32 {
     return sampling.first + added_sample * sampling.rays;
 }
 
-// Has this invocation take a further sample.
-fn take_sample(index: u32) {
-    added_sample = index;
-}
-
 // Number of paths behind a surface for which one is not enough: as many as rays towards lights where `light_rays` is
 // left out, four in a picture of one sub-frame and one from seven on.
 fn paths_behind() -> u32 {
@@ -53,7 +48,7 @@ fn paths_behind() -> u32 {
 // Has this invocation take a path of these.
 fn take_path(index: u32, paths: u32) {
     paths_each = paths;
-    take_sample(sampling.sample * (paths - 1u) + index);
+    added_sample = sampling.sample * (paths - 1u) + index;
 }
 
 // Starts the random numbers of a path vertex: `vertex` counts the surfaces along a path, 0 is the pixel's.

@@ -84,7 +84,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     var sum = vec4f(0.0);
     let seed = pixel + vec2u(params.face_px * layer, 0u);
     for (var sample = 0u; sample < params.samples; sample++) {
-        take_sample(sample);
+        added_sample = sample;
         // The first sample is in the middle of its pixel, the others are evenly spread around it (Roberts 2018, "The
         // Unreasonable Effectiveness of Quasirandom Sequences").
         let within = fract(vec2f(0.5) + f32(sample) * vec2f(0.7548776662, 0.5698402910));
