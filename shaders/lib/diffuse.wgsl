@@ -19,16 +19,15 @@ fn bounds_scattering(s: Surface) -> bool {
     return HAS_SCATTERING && s.is_solid && passes_diffusely(s) && any(material_scattering(s.material) > vec3f(0.0));
 }
 
-// The inner side of such a surface: all light that a solid scatters towards its surface leaves it.
+// The surface with its diffuse light alone.
 fn without_specular(s: Surface) -> Surface {
-    var inner = s;
-    if (s.transmission > 0.0) { return inner; }
-    inner.reflectivity = 0.0;
-    inner.has_index = false;
-    inner.reflection = REFLECTION_NONE;
-    inner.clearcoat = 0.0;
-    inner.sheen_color = vec3f(0.0);
-    return inner;
+    var matte = s;
+    matte.reflectivity = 0.0;
+    matte.has_index = false;
+    matte.reflection = REFLECTION_NONE;
+    matte.clearcoat = 0.0;
+    matte.sheen_color = vec3f(0.0);
+    return matte;
 }
 
 // Share of the light entering a solid that it returns where no path is followed inside: as if light left where it

@@ -24,12 +24,9 @@ fn compensation(s: Surface, view: vec3f) -> vec3f {
 // Albedo of the specular lobe alone under uniform light. The split sum has Schlick's Fresnel term, where the exact one
 // counts: the smoother it is, the more the ratio of both towards the view holds for the lobe.
 fn lobe_reflectance(s: Surface, view: vec3f) -> vec3f {
-    if (!CONSERVES_ENERGY) {
-        let lobe = shown_lobe(s, view);
-        if (is_exact(s)) { return exact_fresnel(s, saturate(dot(s.normal, view))) * lobe.x; }
-        return split_sum(f0(s), grazing_reflectance(s), lobe);
-    }
-    let rough = split_sum(f0(s), grazing_reflectance(s), shown_lobe(s, view)) * compensation(s, view);
+    let lobe = shown_lobe(s, view);
+    if (!CONSERVES_ENERGY && is_exact(s)) { return exact_fresnel(s, saturate(dot(s.normal, view))) * lobe.x; }
+    let rough = split_sum(f0(s), grazing_reflectance(s), lobe) * compensation(s, view);
     if (!is_exact(s)) { return rough; }
     let cosine = dot(s.normal, view);
     let schlick = f0(s) + (vec3f(grazing_reflectance(s)) - f0(s)) * schlick_weight(cosine);
@@ -40,12 +37,10 @@ fn lobe_reflectance(s: Surface, view: vec3f) -> vec3f {
 // Share of light that is left of a reflectance: in each color below a film; a tint leaves all colors what it leaves of
 // the strongest, like `fresnel_mix` of KHR_materials_specular.
 fn left_of(s: Surface, reflectance: vec3f) -> vec3f {
-    if (!CONSERVES_ENERGY) {
-        if (!HAS_TINTS) { return vec3f(1.0) - reflectance; }
-        return vec3f(1.0 - max(reflectance.x, max(reflectance.y, reflectance.z)));
-    }
-    if (HAS_TINTS && !s.has_film) { return vec3f(max(1.0 - max(reflectance.x, max(reflectance.y, reflectance.z)), 0.0)); }
-    return max(vec3f(1.0) - reflectance, vec3f(0.0));
+    var left = vec3f(1.0) - reflectance;
+    let is_by_color = CONSERVES_ENERGY && s.has_film;
+    if (HAS_TINTS && !is_by_color) { left = vec3f(1.0 - max(reflectance.x, max(reflectance.y, reflectance.z))); }
+    return select(left, max(left, vec3f(0.0)), CONSERVES_ENERGY);
 }
 
 // Share of light that the specular lobe leaves to diffuse light, towards this view. Where energy is lost, it is

@@ -71,8 +71,7 @@ fn with_film(s0: Surface, instance: u32, index: array<u32, 3>, bary: vec2f, foot
     var strength = s.iridescence;
     if (LAYER_POOLS != 0u && strength > 0.0) { strength *= layer_texel(IRIDESCENCE_SLOT, instance, index, bary, footprint).x; }
     if (strength <= 0.0) { return s; }
-    var thickness = 1.0;
-    if (LAYER_POOLS != 0u) { thickness = layer_texel(IRIDESCENCE_THICKNESS_SLOT, instance, index, bary, footprint).y; }
+    let thickness = layer_texel(IRIDESCENCE_THICKNESS_SLOT, instance, index, bary, footprint).y;
     let thickness_nm = mix(material_iridescence_least_nm(m), s.iridescence_thickness_nm, thickness);
     // A film far thinner than a wavelength is invisible.
     strength *= smoothstep(0.0, LEAST_FILM_NM, thickness_nm);

@@ -104,9 +104,7 @@ fn next_ray(before: Reflected, s: Surface, scattered_alone: bool) -> Reflected {
     let view = -before.direction;
     let albedo = scattered_albedo(s, view);
     var diffuse = luminance(albedo + scattered_through(s, view));
-    if (has_sheen(s) && path_scatterings < frame.diffuse_bounces) {
-        diffuse += luminance(sheen_albedo(s, view)) * scattered_share(s, view);
-    }
+    if (path_scatterings < frame.diffuse_bounces) { diffuse += luminance(sheen_albedo(s, view)) * scattered_share(s, view); }
     let rest = select(0.0, max(onward_albedo(s, view), 0.01), goes_on(s) && !scattered_alone);
     if (diffuse + rest <= 0.0) { return Reflected(s.normal, vec3f(0.0), TAKEN, 0.0, 1.0, s.normal); }
     let share = diffuse / (diffuse + rest);

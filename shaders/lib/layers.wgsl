@@ -124,8 +124,7 @@ fn reflected_roughness(s: Surface) -> f32 {
 
 // Normal of the layer whose reflection is traced.
 fn reflected_normal(s: Surface) -> vec3f {
-    if (has_traced_coat(s)) { return coat_normal(s); }
-    return s.normal;
+    return select(s.normal, coat_normal(s), has_traced_coat(s));
 }
 
 // Share of the light entering the surface that it scatters rather than transmits.
@@ -192,11 +191,9 @@ fn coat_of(s: Surface) -> Surface {
 
 // The other side of a surface, alone, with the diffuse light that it passes to the side of the view.
 fn other_side(s: Surface, view: vec3f) -> Surface {
-    var other = outer_side(coat_of(s));
+    var other = outer_side(without_specular(coat_of(s)));
     other.normal = -s.normal;
     other.base_color = passed_albedo(s, view);
-    other.reflectivity = 0.0;
-    other.reflection = REFLECTION_NONE;
     other.diffuse_transmission = 0.0;
     return other;
 }

@@ -307,11 +307,9 @@ fn surface_at(instance: u32, triangle: u32, place: vec2f, direction: vec3f, cone
         coat_normal = -coat_normal;
     }
     if (HAS_LAYERS) {
-        if (LAYER_POOLS != 0u) {
-            s.transmission *= layer_texel(TRANSMISSION_SLOT, instance, c.index, bary, footprint).x;
-            s.clearcoat *= layer_texel(CLEARCOAT_SLOT, instance, c.index, bary, footprint).x;
-            s.clearcoat_roughness *= layer_texel(CLEARCOAT_ROUGHNESS_SLOT, instance, c.index, bary, footprint).y;
-        }
+        s.transmission *= layer_texel(TRANSMISSION_SLOT, instance, c.index, bary, footprint).x;
+        s.clearcoat *= layer_texel(CLEARCOAT_SLOT, instance, c.index, bary, footprint).x;
+        s.clearcoat_roughness *= layer_texel(CLEARCOAT_ROUGHNESS_SLOT, instance, c.index, bary, footprint).y;
         s.ior = material_ior(m);
         s.dispersion = material_dispersion(m);
         s.material = m;
@@ -326,7 +324,8 @@ fn surface_at(instance: u32, triangle: u32, place: vec2f, direction: vec3f, cone
     s = with_film(s, instance, c.index, bary, footprint, dot(s.normal, direction));
     if (HAS_COAT_NORMALS) { s.coat_normal = facing(coat_normal, ng); }
     s.geometric_normal = ng;
-    if (s.is_inside && bounds_scattering(s)) { s = without_specular(s); }
+    // All light that a solid scatters towards its surface leaves it.
+    if (s.is_inside && s.transmission <= 0.0 && bounds_scattering(s)) { s = without_specular(s); }
     return s;
 }
 
