@@ -172,19 +172,17 @@ fn returned_of_emitters(s: Surface, view: vec3f, to: Receiver, index: u32) -> Re
         let chosen = chosen_light(which, is_by_power, lit);
         let expected = expected_candidates(chosen.chances);
         let point = emitter_sample(chosen, expected, s.position, sample_square(index * candidates + k, where_on_it));
-        if (HAS_TREE_LAMPS && chosen.instance == NONE) {
-            let is_met = chosen.sides == 1u;
-            var lit_part = to;
+        var part = to;
+        var is_met = chosen.sides == 1u;
+        if (!HAS_TREE_LAMPS || chosen.instance != NONE) {
+            let flags = instance_trace_flags(chosen.instance);
+            is_met = !is_passed(flags, UNREFLECTED);
+            part.has_specular = to.has_specular && !is_passed(flags, MATTE_LIGHT);
+        } else if (!is_met) {
             // No ray finds a point without a size, so that its highlight comes by light samples alone.
-            if (!is_met) { lit_part = Receiver(to.albedo, false, shows_points(s) && chosen.sides == 0u, to.stand_in); }
-            var lit_by = returned_of_lamp(s, view, lit_part, point.light, is_met);
-            lit_by.shown = point.shown;
-            offer(&choice, lit_by, 1.0);
-            continue;
+            part.has_specular = shows_points(s) && chosen.sides == 0u;
         }
-        let flags = instance_trace_flags(chosen.instance);
-        var lit_by = returned_of_lamp(s, view, to, point.light, !is_passed(flags, UNREFLECTED));
-        if (is_passed(flags, MATTE_LIGHT)) { lit_by.specular = vec3f(0.0); }
+        var lit_by = returned_of_lamp(s, view, part, point.light, is_met);
         lit_by.shown = point.shown;
         offer(&choice, lit_by, point.seen_share);
     }
