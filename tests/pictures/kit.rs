@@ -9,7 +9,9 @@ use reflet::{
 };
 
 // Names that most tests of pictures need, beside the functions below.
-pub use crate::common::{first_or_all, folder::kept_folder, gpu_or_skip, is_long, shaders};
+pub use crate::common::{
+    first_or_all, folder::kept_folder, gpu_or_skip, is_long, sampled, shaders,
+};
 pub use glam::Vec3;
 pub use reflet::{
     gpu::Gpu,

@@ -62,7 +62,7 @@ fn edges_are_traced_and_only_similar_pixels_share() {
 #[test]
 fn rays_that_are_traced_first_keep_how_they_ended_in_maps() {
     let Some(gpu) = gpu() else { return };
-    for (method, found, rate, is_first) in [
+    let cases = [
         (
             Method::NearFar,
             Cause::Far,
@@ -72,7 +72,8 @@ fn rays_that_are_traced_first_keep_how_they_ended_in_maps() {
         (Method::SsrBox, Cause::Box, 4, |x, y| {
             x % 2 == 0 && y % 2 == 0
         }),
-    ] {
+    ];
+    for &(method, found, rate, is_first) in first_or_all(&cases, 1) {
         let [some, all] = [rate, 1].map(|rate| {
             let method = format!("reflection.method=\"{}\"", method.name());
             let rate = format!("reflection.rate={rate}");
