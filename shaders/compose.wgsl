@@ -43,7 +43,8 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         out += weight * faded(pixel, ray.direction, textureLoad(reflection, pixel, 0).xyz);
     }
     if (HAS_LAYERS && any(frame.eye_extinction > vec3f(0.0))) {
-        out *= exp(-frame.eye_extinction * textureLoad(view_depth, pixel, 0).x * length(pixel_ray(vec2f(pixel) + 0.5)));
+        // About as much light as is scattered away on the way to the eye is scattered into it.
+        out *= exp(-frame.eye_extinction * (1.0 - frame.eye_scattering) * textureLoad(view_depth, pixel, 0).x * length(pixel_ray(vec2f(pixel) + 0.5)));
     }
     if (HAS_FOG) {
         let air = textureLoad(fog_light, pixel, 0);

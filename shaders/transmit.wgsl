@@ -40,9 +40,11 @@ fn behind(pixel: vec2u) -> vec4f {
     s.material = m;
     s.is_solid = material_is_solid(m) != 0u;
     // More paths in the first pictures, where glass turns or scatters light, so that one path that ends in the dark
-    // leaves no black speck.
+    // leaves no black speck: as many as rays towards lights where `light_rays` is left out, four in a picture of one
+    // sub-frame and one from seven on.
+    let several = select((8u + sampling.samples) / (sampling.samples + 1u), 1u, UNBIASED);
     let is_rough = HAS_ROUGH_REFLECTIONS && s.roughness * s.roughness > SMOOTH_ALPHA;
-    let paths = select(1u, paths_behind(), s.transmission > 0.0 && (s.is_solid || is_rough));
+    let paths = select(1u, several, s.transmission > 0.0 && (s.is_solid || is_rough));
     // Behind the outer side of a rough solid, paths out of its inner side, and an even number of paths back from there,
     // which have most of the grain.
     let splits = AIMS_THROUGH && is_rough && s.is_solid && !s.is_inside && s.transmission > 0.0 && !has_sheen(s);
@@ -52,7 +54,8 @@ fn behind(pixel: vec2u) -> vec4f {
         let is_back = k >= paths;
         let index = select(k, k - paths, is_back);
         far_weight = select(1.0, 2.0 * f32(1u - index % 2u), is_back);
-        take_path(index, select(paths, back, is_back));
+        paths_each = select(paths, back, is_back);
+        added_sample = sampling.sample * (paths_each - 1u) + index;
         sum += behind_once(pixel, s, select(select(ANY_WAY, OUT, splits), BACK, is_back)) / f32(paths_each);
     }
     return sum;

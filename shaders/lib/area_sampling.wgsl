@@ -44,9 +44,6 @@ fn balance(pdf: f32, other: f32) -> f32 {
     return 1.0 / (1.0 + ratio * ratio);
 }
 
-// Number of diffuse scatterings along the path.
-var<private> path_scatterings: u32 = 0u;
-
 // Density per solid angle of a diffusely scattered ray.
 fn scattered_density(cosine: f32) -> f32 {
     return max(cosine, 1e-6) / PI;

@@ -46,7 +46,7 @@ fn with_further_details(surface: Surface, bits: vec4u) -> Surface {
 
 fn pack_diffuse_transmission(s: Surface) -> vec4u {
     let color = s.diffuse_transmission_color;
-    return vec4u(pack2x16unorm(color.xy), pack2x16unorm(vec2f(color.z, s.diffuse_transmission)), s.material, u32(bounds_scattering(s)));
+    return vec4u(pack2x16unorm(color.xy), pack2x16unorm(vec2f(color.z, s.diffuse_transmission)), select(NONE, s.material, bounds_scattering(s)), 0u);
 }
 
 fn with_diffuse_transmission(surface: Surface, bits: vec4u) -> Surface {
@@ -54,9 +54,7 @@ fn with_diffuse_transmission(surface: Surface, bits: vec4u) -> Surface {
     let rest = unpack2x16unorm(bits.y);
     s.diffuse_transmission_color = vec3f(unpack2x16unorm(bits.x), rest.x);
     s.diffuse_transmission = rest.y;
-    if (HAS_SCATTERING) {
-        s.material = bits.z;
-        s.is_solid = bits.w != 0u;
-    }
+    s.material = bits.z;
+    s.is_solid = bits.z != NONE;
     return s;
 }

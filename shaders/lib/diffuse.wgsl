@@ -1,6 +1,7 @@
 // Diffuse reflection: Lambert's, or EON where it is rough (Portsmouth, Kutz & Hill 2025, "EON: A Practical
 // Energy-Preserving Rough Diffuse BRDF"): Fujii's Oren-Nayar, and the light that its facets scatter among each other.
 
+#import frame
 #import material
 
 const FUJII_SINGLE: f32 = 0.28779342; // 1/2 - 2/(3 pi)
@@ -30,13 +31,32 @@ fn without_specular(s: Surface) -> Surface {
     return matte;
 }
 
-// Share of the light entering a solid that it returns where no path is followed inside: as if light left where it
-// entered, from a solid without another side (van de Hulst 1980).
-fn returned_from_within(s: Surface) -> vec3f {
-    if (s.is_inside || !bounds_scattering(s)) { return vec3f(0.0); }
+// Number of diffuse scatterings along the path.
+var<private> path_scatterings: u32 = 0u;
+
+// Optical depth of the offset at which rays start, up to which paths enter a solid: denser ones would lose light.
+const MOST_OFFSET_DEPTH: f32 = 0.1;
+
+// The surface of a scattering solid as paths meet it: all light that arrives from within leaves. Where no path is followed
+// inside, light leaves where it entered, as from a solid without another side (van de Hulst 1980).
+fn as_boundary(s: Surface) -> Surface {
+    var met = s;
+    if (!bounds_scattering(s) || (s.is_inside && s.transmission > 0.0)) { return met; }
+    if (s.is_inside) {
+        met = without_specular(s);
+        met.diffuse_transmission = 1.0;
+        return met;
+    }
+    let extinction = material_extinction(s.material);
+    let depth = max(extinction.x, max(extinction.y, extinction.z)) * start_offset_m(s.position);
+    if (path_scatterings < frame.diffuse_bounces && depth < MOST_OFFSET_DEPTH) { return met; }
     let lack = sqrt(1.0 - material_scattering(s.material));
-    let color = s.diffuse_transmission_color * s.diffuse_transmission_color;
-    return color * (1.0 - lack) * (1.0 - 0.139 * lack) / (1.0 + 1.17 * lack);
+    let returned = (1.0 - lack) * (1.0 - 0.139 * lack) / (1.0 + 1.17 * lack);
+    // Its color tints light on the way in and on the way out.
+    let color = s.diffuse_transmission_color * s.diffuse_transmission_color * returned;
+    met.base_color = mix(s.base_color, color, s.diffuse_transmission);
+    met.diffuse_transmission = 0.0;
+    return met;
 }
 
 // Share of light that single scattering of a white surface returns at a cosine: the paper's fit.

@@ -170,3 +170,10 @@ fn schlick_weight(cosine: f32) -> f32 {
     let x2 = x * x;
     return x2 * x2 * x;
 }
+
+// Offset of a ray's origin from the surface that it leaves, more than the rounding error of a hit there. Coordinates are in
+// the renderer's lengths, in which no scene is small.
+fn start_offset_m(position: vec3f) -> f32 {
+    let size = max(max(abs(position.x), abs(position.y)), max(abs(position.z), distance(position, frame.eye)));
+    return size * 4e-5 + 1e-6;
+}

@@ -76,6 +76,7 @@ fn scattered_ray(s: Surface, view: vec3f, albedo: vec3f) -> Reflected {
     var part = s;
     var color = albedo;
     var share = 1.0; // probability of the side
+    var enters = false; // whether the ray goes on in a solid that scatters light
     if (HAS_DIFFUSE_TRANSMISSION) {
         let through = scattered_through(s, view);
         let here = luminance(albedo) + luminance(sheen_albedo(s, view)) * scattered_share(s, view);
@@ -83,18 +84,22 @@ fn scattered_ray(s: Surface, view: vec3f, albedo: vec3f) -> Reflected {
         if (u.x >= share) {
             part = other_side(s, view);
             color = through;
+            enters = !s.is_inside && bounds_scattering(s);
             media = media_beyond(media, s);
             u.x -= share;
             share = 1.0 - share;
         }
         u.x = min(u.x / max(share, 1e-6), BELOW_ONE);
     }
-    path_scatterings++;
+    // A walk within a solid counts as one scattering, where it leaves.
+    if (enters) { path_crossings++; } else { path_scatterings++; }
     path_is_chance = true;
     leave_vertex(s.position);
     let out = cosine_direction(part.normal, u);
     if (dot(out, part.geometric_normal) <= 0.0) { return Reflected(part.normal, vec3f(0.0), TAKEN, 0.0, 1.0, part.normal); }
     let weight = (diffuse_towards(part, color, view, out) + sheen(part, view, out) * scattered_share(s, view)) / share;
+    // Light samples stop at the surface of the solid.
+    if (enters) { return Reflected(out, weight, 0.0, 1.0, 1.0, part.normal); }
     return Reflected(out, weight, scattered_density(dot(part.normal, out)), 0.0, 1.0, part.normal);
 }
 
@@ -201,32 +206,25 @@ fn gathered_by_path(pixel: vec2u, vertex: u32, hits: u32, start: Start, first: C
             s = surface_at(h.instance, h.triangle, h.bary, ray.direction, cone.width_m);
             s.emission *= met_emission(ray, h.instance, h.triangle, h.t, s);
         }
-        if (SHADE && (!is_scattered || media.here.is_lit)) {
+        let lit_share = select(1.0, media.here.lit_share, is_scattered);
+        if (SHADE && lit_share > 0.0) {
             var reused = vec2u(0u);
             if (REUSES_LIGHT && (PATHS == MIRROR_PATHS || (PATHS == HIT_PATHS && k == 0u))) { reused = reused_visibility(s); }
-            color += found_light(throughput * met_light(ray, s, reused), hits + k);
-        }
-        if (is_scattered) {
-            uncovered = 0.0;
-            ray = scattered_within(s, throughput);
-            throughput *= ray.weight;
-            origin = s.position;
-            is_straight = false;
-            continue;
+            color += found_light(throughput * met_light(ray, s, reused) * lit_share, hits + k);
         }
         if (PATHS == HIT_PATHS && !HAS_INDIRECT) { break; }
         if (PATHS == FREE_PATHS && AIMS_THROUGH && first_way != ANY_WAY && !is_aimed_through(s)) {
             if (first_way == BACK) { break; }
             first_way = ANY_WAY;
         }
-        if (!continues(s)) { break; }
+        if (!is_scattered && !continues(s)) { break; }
         uncovered *= 1.0 - coverage(s);
-        ray = next_ray(ray, s, PATHS == HIT_PATHS && k == 0u);
+        if (is_scattered) { ray = scattered_within(s, throughput); } else { ray = next_ray(ray, s, PATHS == HIT_PATHS && k == 0u); }
         throughput *= ray.weight;
         is_straight = is_straight && s.transmission <= 0.0 && dot(ray.direction, start.ray.direction) > 0.99999;
         // A transmitted ray keeps its cone; a mirrored one has its cone widened by the curvature.
         if (PATHS == MIRROR_PATHS && dot(ray.direction, s.geometric_normal) > 0.0) { cone = mirrored_cone(cone, s.curvature); }
-        origin = onward_origin(s, ray.direction);
+        origin = select(onward_origin(s, ray.direction), s.position, is_scattered);
     }
     return vec4f(color, 1.0);
 }

@@ -40,11 +40,12 @@ var<private> shadow_is_aimed: bool = false; // whether shadow rays are such rays
 // Inside of a solid.
 struct Medium {
     extinction: vec3f, // per meter
-    scattering: vec3f, // albedo of its isotropic scattering; black: clear
-    is_lit: bool, // whether light samples of a point within pass its surface
+    albedo: vec3f, // of its isotropic scattering; black: clear
+    lit_share: f32, // share of light samples of a point within that counts; 0: none passes its surface
+    material: u32,
 }
 
-// Solids that a ray is in, and the insides of the innermost ones.
+// Solids that a ray is in, and the insides of the three that it entered last.
 struct Media {
     solids: u32,
     here: Medium,
@@ -64,19 +65,28 @@ fn start_path(position: vec3f, is_inside: bool) {
     path_channel = 0u;
     media = Media();
     media.solids = max(frame.eye_solids, u32(is_inside));
-    media.here = Medium(frame.eye_extinction, frame.eye_scattering, !UNBIASED && frame.eye_is_lit > 0u);
+    media.here = Medium(frame.eye_extinction, frame.eye_scattering, select(frame.eye_lit_share, 0.0, UNBIASED), NONE);
 }
 
 fn medium_of(material: u32) -> Medium {
     let extinction = material_extinction(material);
-    if (!HAS_SCATTERING) { return Medium(extinction, vec3f(0.0), false); }
-    return Medium(extinction, material_scattering(material), !UNBIASED && material_transmission(material) > 0.0);
+    if (!HAS_SCATTERING) { return Medium(extinction, vec3f(0.0), 0.0, material); }
+    // Light samples go straight, while refraction lets in 1 / n² of the directions alone.
+    let index = material_ior(material);
+    let is_lit = !UNBIASED && material_transmission(material) > 0.0;
+    return Medium(extinction, material_scattering(material), select(0.0, 1.0 / (index * index), is_lit), material);
 }
 
 // Media beyond a surface that a ray crosses; sheets within a solid leave it as it is.
 fn media_beyond(before: Media, s: Surface) -> Media {
     if (!s.is_solid || (s.transmission <= 0.0 && !bounds_scattering(s))) { return before; }
-    if (s.is_inside) { return Media(max(before.solids, 1u) - 1u, before.around, before.farther, Medium()); }
+    if (s.is_inside) {
+        // A solid that overlaps another may be left before it.
+        let is_around = before.around.material == s.material && before.here.material != s.material && before.solids > 1u;
+        var here = before.around;
+        if (is_around) { here = before.here; }
+        return Media(max(before.solids, 1u) - 1u, here, before.farther, Medium());
+    }
     return Media(before.solids + 1u, medium_of(s.material), before.here, before.around);
 }
 
@@ -185,6 +195,7 @@ fn coat_of(s: Surface) -> Surface {
     coat.has_film = false;
     coat.sheen_color = vec3f(0.0);
     coat.diffuse_roughness = 0.0;
+    coat.diffuse_transmission = 0.0;
     coat.anisotropy = 0.0;
     return coat;
 }
@@ -194,7 +205,6 @@ fn other_side(s: Surface, view: vec3f) -> Surface {
     var other = outer_side(without_specular(coat_of(s)));
     other.normal = -s.normal;
     other.base_color = passed_albedo(s, view);
-    other.diffuse_transmission = 0.0;
     return other;
 }
 

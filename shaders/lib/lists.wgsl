@@ -34,11 +34,6 @@ fn follower_slot(index: u32) -> u32 {
     return 2u * picture_px() + index;
 }
 
-// Slot of a pixel whose ray was traced first, from the other end of the same list: both together are all rays.
-fn leader_slot(index: u32, rays: u32) -> u32 {
-    return follower_slot(rays - 1u - index);
-}
-
 // Slot of a transmissive pixel, in a list that is free until the march lists its rays.
 fn transmissive_slot(index: u32) -> u32 {
     return select(reflector_slot(index), refused_slot(index), HAS_REFLECTIONS);

@@ -28,7 +28,7 @@ struct Surface {
     ior: f32,
     dispersion: f32, // 20 over the Abbe number
     is_solid: bool,
-    material: u32, // of a solid
+    material: u32, // index of the material
     is_inside: bool, // seen from within a solid
     coat_normal: vec3f, // with HAS_COAT_NORMALS
     // Set with HAS_TINTS: factors on the reflectivity; `specular` also scales the reflectance at grazing angles.

@@ -39,18 +39,6 @@ fn first_light_sample() -> u32 {
     return sampling.first + added_sample * sampling.rays;
 }
 
-// Number of paths behind a surface for which one is not enough: as many as rays towards lights where `light_rays` is
-// left out, four in a picture of one sub-frame and one from seven on.
-fn paths_behind() -> u32 {
-    return select((8u + sampling.samples) / (sampling.samples + 1u), 1u, UNBIASED);
-}
-
-// Has this invocation take a path of these.
-fn take_path(index: u32, paths: u32) {
-    paths_each = paths;
-    added_sample = sampling.sample * (paths - 1u) + index;
-}
-
 // Starts the random numbers of a path vertex: `vertex` counts the surfaces along a path, 0 is the pixel's.
 fn start_samples(pixel: vec2u, vertex: u32) {
     if (!HAS_EXTENT) { return; }

@@ -102,9 +102,7 @@ fn below_lobe(s: Surface, view: vec3f, color: vec3f) -> vec3f {
 fn diffuse_albedo(s: Surface, view: vec3f) -> vec3f {
     let albedo = below_lobe(s, view, diffuse_color(s, view));
     if (!HAS_DIFFUSE_TRANSMISSION) { return albedo; }
-    var within = vec3f(0.0);
-    if (path_scatterings >= frame.diffuse_bounces) { within = returned_from_within(s); }
-    return albedo * (1.0 - s.diffuse_transmission) + below_lobe(s, view, within * s.diffuse_transmission);
+    return albedo * (1.0 - s.diffuse_transmission);
 }
 
 // Share of light from its other side that the surface scatters to the side of the view (KHR_materials_diffuse_transmission).
@@ -265,9 +263,6 @@ fn lifted(r: vec3f, s: Surface) -> vec3f {
     return normalize(r + s.geometric_normal * max(0.01 - height, 0.0));
 }
 
-// Ray origin, offset from the surface by more than the rounding error of a hit there. Coordinates are in the renderer's
-// lengths, in which no scene is small.
 fn ray_origin(position: vec3f, geometric_normal: vec3f) -> vec3f {
-    let size = max(max(abs(position.x), abs(position.y)), max(abs(position.z), distance(position, frame.eye)));
-    return position + geometric_normal * (size * 4e-5 + 1e-6);
+    return position + geometric_normal * start_offset_m(position);
 }

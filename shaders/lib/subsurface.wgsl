@@ -19,7 +19,7 @@ struct Flight {
 // have.
 fn free_flight(throughput: vec3f) -> Flight {
     let sum = throughput.x + throughput.y + throughput.z;
-    let scatters = HAS_SCATTERING && any(media.here.scattering > vec3f(0.0));
+    let scatters = HAS_SCATTERING && any(media.here.albedo > vec3f(0.0));
     if (!scatters || sum <= 0.0) { return Flight(FAR_M, vec3f(0.0)); }
     let shares = throughput / sum;
     let u = sample_square(sample_index(), FLIGHT_PAIR);
@@ -29,18 +29,18 @@ fn free_flight(throughput: vec3f) -> Flight {
     return Flight(min(-log(1.0 - u.y) / max(rate, 1e-12), FAR_M), shares);
 }
 
-// Weight of a flight over a distance, beyond the extinction on it: over the mean of the channels' probabilities to get so
-// far, or to be scattered there (Veach 1997, balance heuristic).
+// Factor on the transmittance of a flight over a distance: 1 over the mean probability, over the channels that may give its
+// length, of a flight that is as long (Veach 1997, balance heuristic).
 fn flight_weight(flight: Flight, distance_m: f32, is_scattered: bool) -> vec3f {
     if (!HAS_SCATTERING || all(flight.shares == vec3f(0.0))) { return vec3f(1.0); }
     let left = medium_transmittance(distance_m);
     if (!is_scattered) { return vec3f(1.0 / max(dot(flight.shares, left), 1e-30)); }
     let extinction = media.here.extinction;
-    return extinction * media.here.scattering / max(dot(flight.shares, left * extinction), 1e-30);
+    return extinction * media.here.albedo / max(dot(flight.shares, left * extinction), 1e-30);
 }
 
 // Point of an isotropic scattering, as a white diffuse surface with a random normal: the mean over all normals is 1 / 4π
-// per steradian. The environment is seen by the next ray alone.
+// per steradian. Without `occlusion`, no light sample is taken of the environment, which the next ray sees.
 fn scatterer(position: vec3f) -> Surface {
     var s: Surface;
     let u = sample_square(sample_index(), TURN_PAIR);
@@ -51,17 +51,18 @@ fn scatterer(position: vec3f) -> Surface {
     s.base_color = vec3f(1.0);
     s.roughness = 1.0;
     s.alpha = 1.0;
+    s.occlusion = 0.0;
     return s;
 }
 
-// Next ray from such a point; it ends by Russian roulette on the light that it carries.
+// Next ray from the point of a scattering; the path ends by Russian roulette on the light that it carries.
 fn scattered_within(s: Surface, throughput: vec3f) -> Reflected {
     walk_scatterings++;
     path_is_chance = true;
     leave_vertex(s.position);
     let direction = cosine_direction(s.normal, sample_square(sample_index(), SCATTER_PAIR));
     var pdf = select(TAKEN, scattered_density(dot(s.normal, direction)), path_scatterings < frame.diffuse_bounces);
-    if (!media.here.is_lit) { pdf = 0.0; }
+    if (media.here.lit_share <= 0.0) { pdf = 0.0; }
     let most = max(throughput.x, max(throughput.y, throughput.z));
     let chance = select(min(most, 1.0), 1.0, walk_scatterings < FIRST_ENDING);
     let ends = walk_scatterings > MAX_SCATTERINGS || sample_square(sample_index(), CHOICE_PAIR).x >= chance;

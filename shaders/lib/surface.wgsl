@@ -324,9 +324,7 @@ fn surface_at(instance: u32, triangle: u32, place: vec2f, direction: vec3f, cone
     s = with_film(s, instance, c.index, bary, footprint, dot(s.normal, direction));
     if (HAS_COAT_NORMALS) { s.coat_normal = facing(coat_normal, ng); }
     s.geometric_normal = ng;
-    // All light that a solid scatters towards its surface leaves it.
-    if (s.is_inside && s.transmission <= 0.0 && bounds_scattering(s)) { s = without_specular(s); }
-    return s;
+    return as_boundary(s);
 }
 
 // Flips a normal to the side of the geometric normal: interpolated or mapped normals may tip over at silhouettes.

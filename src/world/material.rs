@@ -206,8 +206,9 @@ impl Material {
         self.scatters() || (self.solid && self.passes_light())
     }
 
-    /// Extinction coefficient inside the material, per meter, by the Beer-Lambert law. Where light is scattered mostly
-    /// onward, that is none by the similarity relation (Wyman, Patterson & Wilson 1989), and the rest is scattered evenly.
+    /// Extinction coefficient inside the material, per meter, by the Beer-Lambert law. Light that is scattered straight on
+    /// does not count as lost, so that the rest counts as scattered evenly, by the similarity relation (Wyman, Patterson &
+    /// Wilson 1989).
     pub fn extinction(&self) -> Vec3 {
         const LEAST: f32 = 1e-6; // black after the distance, without infinities
         let distance_m = self.attenuation_distance_m.unwrap_or(f32::INFINITY);
@@ -215,7 +216,8 @@ impl Material {
         let onward = self.scattering_anisotropy.clamp(-0.999, 0.999);
         let reduced = match self.scattering_color.filter(|_| self.scatters()) {
             Some(color) => {
-                (1.0 - onward) / (Vec3::ONE - onward * (Vec3::ONE - scattering_albedo(color)))
+                (1.0 - onward)
+                    / (Vec3::ONE - onward * (Vec3::ONE - single_scattering_albedo(color)))
             }
             None => Vec3::ONE,
         };
@@ -223,8 +225,9 @@ impl Material {
     }
 
     /// Share of the light that is lost on the way inside the material which is scattered, evenly into all directions.
-    pub fn scattering_albedo(&self) -> Vec3 {
-        (self.scattering_color.filter(|_| self.scatters())).map_or(Vec3::ZERO, scattering_albedo)
+    pub fn single_scattering_albedo(&self) -> Vec3 {
+        (self.scattering_color.filter(|_| self.scatters()))
+            .map_or(Vec3::ZERO, single_scattering_albedo)
     }
 
     /// The textures without `uv_scale` in their transforms, in the order of [`Self::slots`].
@@ -336,7 +339,7 @@ impl Material {
 
 /// Single-scattering albedo of isotropic scattering by which a thick medium returns this color of diffuse light (Kulla & Conty
 /// 2017, "Revisiting Physically Based Shading at Imageworks", inverse of van de Hulst's fit).
-fn scattering_albedo(color: Vec3) -> Vec3 {
+fn single_scattering_albedo(color: Vec3) -> Vec3 {
     color.map(|c| {
         let lack = 4.09712 + 4.20863 * c - (9.59217 + 41.6808 * c + 17.7126 * c * c).sqrt();
         1.0 - lack.clamp(0.0, 1.0).powi(2)

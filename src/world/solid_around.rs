@@ -1,4 +1,4 @@
-//! The solid that a point is in, inside of which light goes on.
+//! The solid that a point is in, among solids that light enters.
 
 use glam::Vec3;
 
@@ -10,7 +10,7 @@ use super::{
 /// Number of surfaces that are passed on the way out of the solid.
 const MOST_PASSED: usize = 256;
 
-/// Material of the innermost such solid around a point; `None` where the point is in none. A ray upwards tells: it
+/// Material of the innermost solid with a medium around a point; `None` where the point is in none. A ray upwards tells: it
 /// leaves the solid before it enters it.
 pub fn solid_around<'a>(world: &'a World, trees: &Trees, point: Vec3) -> Option<&'a Material> {
     let material = |instance: usize| &world.materials[world.instances[instance].material];

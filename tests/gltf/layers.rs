@@ -85,6 +85,9 @@ fn specular_sheen_and_the_textures_of_layers_are_read() {
     assert_eq!(passed, (Some(0.625), Vec3::new(0.25, 0.5, 1.0)));
     let scattered = (m.scattering_color, m.scattering_anisotropy, m.solid);
     assert_eq!(scattered, (Some(Vec3::new(0.5, 0.25, 1.0)), 0.25, true));
+    // Where a quarter of white light is scattered straight on, three quarters count as scattered.
+    assert_eq!(m.single_scattering_albedo().z, 1.0);
+    assert!((m.extinction().z / (0.5 * 2.0_f32.ln()) - 0.75).abs() < 1e-5);
     assert!((m.anisotropy_rotation_deg - 0.5_f32.to_degrees()).abs() < 1e-4);
     // Textures of layers with a factor of 0 are not loaded.
     doc.json["materials"][0]["extensions"] = json!({

@@ -2,12 +2,47 @@
 
 use super::kit::*;
 
+/// White solids beside each other: of wax, of smooth and of rough glass.
+const WHITE: &str = include_str!("scattering/white.toml");
+
+/// Brightness of each of the white solids.
+fn whites(gpu: &Gpu, set: &[&str]) -> [f32; 3] {
+    let picture = render(gpu, WHITE, set, &[]);
+    let mean = |x: u32| {
+        (0..64)
+            .flat_map(|i| color(&picture, x + i % 8, i / 8))
+            .sum::<f32>()
+    };
+    [0, 8, 16].map(|x| mean(x) / 192.0)
+}
+
 #[test]
 fn white_solids_return_all_light_that_enters() {
     let Some(gpu) = gpu() else { return };
-    let picture = render(gpu, include_str!("scattering/white.toml"), &[], &[]);
-    for channel in mean(&picture) {
-        assert_close(channel, 1.0, 0.01);
+    for found in whites(gpu, &[]) {
+        assert_close(found, 1.0, 0.02);
+    }
+}
+
+/// Light samples of points within go straight through surfaces that refract, and are as bright as refracted rays.
+#[test]
+fn lamps_light_solids_within_alike_by_samples_and_by_rays() {
+    let Some(gpu) = gpu() else { return };
+    let lit = [
+        "environment.color=[0, 0, 0]",
+        "light.lamp.position=[0, 4, 3]",
+        "light.lamp.intensity_cd=40",
+    ];
+    let sampled = [
+        "reflection.method=rt",
+        "reflection.diffuse_bounces=2",
+        "reflection.glint_limit=0",
+    ];
+    let samples = |n| format!("image.samples={n}");
+    let [by_rays, by_samples] = [(&[][..], 128), (&sampled[..], 32)]
+        .map(|(set, n)| whites(gpu, &[&lit, set, &[samples(n).as_str()]].concat()));
+    for (found, expected) in by_samples.into_iter().zip(by_rays) {
+        assert_close(found, expected, 0.08);
     }
 }
 
@@ -42,6 +77,16 @@ fn light_leaves_a_solid_where_it_entered_if_no_path_is_followed() {
     let found = slab(gpu, "thick", &["reflection.method=rt", "image.samples=1"]);
     for (found, expected) in found.into_iter().zip(COLOR) {
         assert_close(found, expected, 2e-3);
+    }
+    // A clear coat over a white solid takes from it what it returns itself.
+    let coated = [
+        "reflection.method=rt",
+        "image.samples=1",
+        "material.thick.clearcoat=1",
+        "material.thick.scattering_color=[1, 1, 1]",
+    ];
+    for found in slab(gpu, "thick", &coated) {
+        assert_close(found, 1.0, 2e-3);
     }
 }
 

@@ -47,7 +47,8 @@ fn sorted_leader(group: u32, lane: u32) -> u32 {
         lists[follower_slot(first_follower + places[k])] = lists[ray_slot(first + k * SORTED)];
     }
     if (lane >= placed) { return NONE; }
-    if (MAPPED) { lists[leader_slot(first_leader + lane, rays)] = leaders[lane]; }
+    // Rays that are traced first fill the list of the others from its end: both together are all rays.
+    if (MAPPED) { lists[follower_slot(rays - 1u - (first_leader + lane))] = leaders[lane]; }
     return leaders[lane];
 }
 

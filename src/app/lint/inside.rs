@@ -35,9 +35,8 @@ pub fn lights(scene: &Scene, world: &World) -> Vec<Diagnostic> {
         let surface = surface(&light.desc.kind, position);
         around.retain(|i| {
             let around = &world.instances[*i];
-            let passes = world.materials[around.material]
-                .diffuse_transmission
-                .is_some();
+            let material = &world.materials[around.material];
+            let passes = material.diffuse_transmission.is_some() && !material.scatters();
             around.shown.casts_shadow
                 && !passes
                 && !cameras.iter().any(|eye| closed.contains(*i, *eye))

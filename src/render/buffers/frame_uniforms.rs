@@ -187,8 +187,12 @@ impl Frame {
             sub_frames: samples as f32,
             crop,
             eye_extinction: around.map_or([0.0; 3], |solid| solid.extinction().to_array()),
-            eye_scattering: around.map_or([0.0; 3], |solid| solid.scattering_albedo().to_array()),
-            eye_is_lit: around.is_some_and(Material::passes_light).into(),
+            eye_scattering: around.map_or([0.0; 3], |solid| {
+                solid.single_scattering_albedo().to_array()
+            }),
+            eye_lit_share: around.map_or(0.0, |solid| {
+                f32::from(u8::from(solid.transmission.is_some())) / solid.ior.powi(2)
+            }),
             eye_solids: around.is_some().into(),
             background: environment.background.unwrap_or_default().to_array(),
             clip_planes: view.clip_planes,

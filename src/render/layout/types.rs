@@ -70,12 +70,12 @@ gpu_struct! {
         sub_frames: f32,
         /// Extinction coefficient of the solid that the eye is in, per meter; 0: of none.
         eye_extinction: [f32; 3],
-        /// Number of transmissive solids that the eye is in, 0 or 1.
+        /// Number of solids that the eye is in, 0 or 1.
         eye_solids: u32,
         /// Albedo of the isotropic scattering in the solid that the eye is in; 0: of none.
         eye_scattering: [f32; 3],
-        /// 1: the surface of that solid also refracts light, so that light samples pass it.
-        eye_is_lit: u32,
+        /// Share of light samples of a point within that solid that counts; 0: none passes its surface.
+        eye_lit_share: f32,
         /// Radiance that the camera sees in place of the environment.
         background: [f32; 3],
     }

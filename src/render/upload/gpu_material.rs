@@ -122,7 +122,7 @@ filled! {
         /// Numbers and colors that follow patterns.
         patterned: [GpuPatterned; MOST_PATTERNED] = std::array::from_fn(|i| GpuPatterned::from_pattern(m.patterned.get(i))),
         /// Albedo of the isotropic scattering inside a solid; 0: clear.
-        scattering: [f32; 3] = m.scattering_albedo().to_array(),
+        scattering: [f32; 3] = m.single_scattering_albedo().to_array(),
         /// Roughness of the diffuse reflection.
         diffuse_roughness: f32 = m.diffuse_roughness.unwrap_or(0.0),
         /// Reflectance of the clear coat at normal incidence.

@@ -133,13 +133,13 @@ material! {
         attenuation_distance_m under transmission | scattering_color under thickness_m under attenuation_color: f32, Number in ABOVE_0, "distance after which white light has that color, meters" of "volume/attenuationDistance" => such_as "1";
         /// Color of a solid that scatters light within, as wax, skin, marble and milk do (subsurface scattering,
         /// `KHR_materials_volume_scatter`), three numbers 0 to 1: of the light that enters a thick piece, this is what comes
-        /// out again. Light enters by `transmission`, refracted, or by `diffuse_transmission`, scattered; how deep it gets the
-        /// attenuation says, of which scattering is then a part. Light that enters scattered is followed in
+        /// out again. Light enters by `transmission`, refracted, or by `diffuse_transmission`, scattered. The attenuation says how deep
+        /// it gets: of the light that is lost after that distance, most is scattered. Light that enters scattered is followed in
         /// paths with `diffuse_bounces`; past the last of them, and without, it leaves where it entered.
         /// Default black, or the glTF value.
-        scattering_color under transmission | diffuse_transmission under thickness_m under attenuation_color: Vec3, Color in UNIT, "color of light scattered in a solid" of "volume_scatter/multiscatterColor" => off "[0, 0, 0]";
-        /// How far that light is scattered onward rather than back, -1 to 1; 0 is even. More is deeper, in the same color: it
-        /// counts as even scattering in a thinner solid. Default 0, or the glTF value.
+        scattering_color under diffuse_transmission | transmission under thickness_m under attenuation_color under attenuation_distance_m: Vec3, Color in UNIT, "color of light scattered in a solid" of "volume_scatter/multiscatterColor" => off "[0, 0, 0]";
+        /// How far that light is scattered onward rather than back, -1 to 1; 0 is even. More lets light get deeper, in the same color: it
+        /// counts as even scattering in a less dense solid. Default 0, or the glTF value.
         scattering_anisotropy under scattering_color: f32, Number in range(-1.0, 1.0), "anisotropy of scattering in a solid" of "volume_scatter/scatterAnisotropy" => rest 0.0;
         /// Share of the diffuse light that a surface scatters to its other side rather than back, 0 to 1, as leaves, paper
         /// and lampshades do (`KHR_materials_diffuse_transmission`). Light goes through a surface as through a thin sheet,

@@ -272,16 +272,18 @@ def _scattering(
     elif isinstance(weight, Constant) and isinstance(color, Constant) and weight.value[0] != 0.0:
         radii = _radii(surface, is_open)
         passes = surface.get("transmission_weight" if is_open else "transmission", (0.0,))
-        if radii is not None and passes == Constant((0.0,)):
+        tinted = _under_coat(surface, inputs, color)
+        is_seen = isinstance(tinted, Constant) and max(tinted.value) > 0.0
+        if radii is not None and passes == Constant((0.0,)) and is_seen:
             share = surface.clamped(weight_name, weight.value[0], 0.0)
             inputs["diffuseTransmission"] = Constant((share,))
-            inputs["multiscatterColor"] = color
+            inputs["multiscatterColor"] = tinted
             name = "subsurface_scatter_anisotropy" if is_open else "subsurface_anisotropy"
             turn = surface.clamped(name, surface.number(name, 0.0), -1.0)
             inputs["scatterAnisotropy"] = Constant((turn,))
             longest = max(radii)
             inputs["attenuationDistance"] = Constant((longest,))
-            dark = tuple(math.exp(-longest / max(radius, 1e-9)) for radius in radii)
+            dark = tuple(math.exp(-longest / max(radius, longest * 1e-6)) for radius in radii)
             inputs["attenuationColor"] = Constant(dark)
             return base
     if weight != Constant((0.0,)):
@@ -321,14 +323,19 @@ def _transmitting(
     return surface.mix("transmission_color", base, color, weight)
 
 
-def _set_under_coat(surface: _Surface, inputs: dict[str, Source], base: Source) -> None:
-    """Set the colors of diffuse light as the tinted coat shows them."""
+def _under_coat(surface: _Surface, inputs: dict[str, Source], shown: Source) -> Source:
+    """A color of diffuse light as the tinted coat shows it."""
     color = surface.get("coat_color", _WHITE)
     tint = surface.mix("coat_color", Constant(_WHITE), color, inputs["clearcoat"])
+    return surface.times("coat_color", shown, tint)
+
+
+def _set_under_coat(surface: _Surface, inputs: dict[str, Source], base: Source) -> None:
+    """Set the colors of diffuse light as the tinted coat shows them."""
     inputs["diffuseColor"] = base
-    for name in ("diffuseColor", "diffuseTransmissionColor", "multiscatterColor"):
+    for name in ("diffuseColor", "diffuseTransmissionColor"):
         if name in inputs:
-            inputs[name] = surface.times("coat_color", inputs[name], tint)
+            inputs[name] = _under_coat(surface, inputs, inputs[name])
 
 
 def _root(surface: _Surface, name: str, default: float) -> Source:

@@ -220,11 +220,16 @@ class _Rules:
         else:
             radius = self.fixed("subsurface_scale", 1.0)
             scales = self.fixed("subsurface_radius", *_WHITE)
-        if color is None or through is None or through[0] != 0.0:
+        tint, coat = self.fixed("coat_color", *_WHITE), self.fixed("coat", 0.0)
+        if color is None or tint is None or coat is None:
+            return {}
+        if _mix(color, color * tint, coat).max() <= 0.0:
+            return {}
+        if through is None or through[0] != 0.0:
             return {}
         if radius is None or scales is None or (radius * scales).max() <= 0.0:
             return {}
-        paths = np.maximum(radius * scales * self.meters, 1e-9)
+        paths = np.maximum(radius * scales, (radius * scales).max() * 1e-6) * self.meters
         name = "subsurface_scatter_anisotropy" if is_open else "subsurface_anisotropy"
         turn = min(max(self.number(name, 0.0), -1.0), 1.0)
         return {

@@ -170,7 +170,7 @@ impl ProbeMaps {
             sub_frames: 1.0,
             eye_extinction: [0.0; 3],
             eye_scattering: [0.0; 3],
-            eye_is_lit: 0,
+            eye_lit_share: 0.0,
             eye_solids: 0,
             crop: [0.0; 4],
             clip_planes: [CUTS_NOTHING; MOST_CLIP_PLANES],
