@@ -36,7 +36,7 @@ fn value_at(all: &Value, place: &str) -> Value {
 
 #[test]
 fn questions_have_their_known_answers() {
-    let mut wrong = Vec::new();
+    let (mut wrong, mut answers) = (Vec::new(), std::collections::HashMap::new());
     for (scene, text) in [
         ("frame", include_str!("../queries/frame.txt")),
         ("view", include_str!("../queries/view.txt")),
@@ -52,15 +52,15 @@ fn questions_have_their_known_answers() {
                 "query"
             };
             let line = format!("reflet {command} tests/queries/{scene}.toml {options}");
-            let answer = match Cli::parse_from(line.split_whitespace()).command {
+            let answered = || match Cli::parse_from(line.split_whitespace()).command {
                 Command::Query(args) => answer(&args).map(|answer| to_value(&answer)),
                 Command::Info(args) => load_scene(args.scene.as_deref(), &args.picture.from, &[])
                     .and_then(|loaded| Ok(to_value(&planned_frames(&loaded)?))),
                 _ => panic!("{line} is no question"),
             };
-            let is_right = match answer {
+            let is_right = match answers.entry(line.clone()).or_insert_with(answered) {
                 Ok(all) => {
-                    let got = value_at(&all.expect("JSON"), place);
+                    let got = value_at(all.as_ref().expect("JSON"), place);
                     let want = serde_json::from_str(want).unwrap_or_else(|_| panic!("{want}"));
                     (!is_near(&got, &want)).then(|| got.to_string())
                 }

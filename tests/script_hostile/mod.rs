@@ -13,7 +13,7 @@ use reflet::scene::{
     stages::{Animator, Scene},
 };
 
-use crate::common::{cases, sampled};
+use crate::common::{cases, first_or_all, sampled};
 
 const SCENE: &str = include_str!("scene.toml");
 
