@@ -32,7 +32,7 @@ fn corpus_loads_or_fails_with_a_reason() {
     let mut warned: BTreeMap<&str, usize> = BTreeMap::new();
     let mut slowest = (Duration::ZERO, String::new());
     let start = Instant::now();
-    for line in index.lines().skip(1) {
+    for line in sampled(index.lines().skip(1).collect(), 4) {
         let mut cells = line.split('\t');
         let (Some(root), Some(errors)) = (cells.next(), cells.next()) else {
             continue;

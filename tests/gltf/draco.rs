@@ -158,7 +158,8 @@ fn broken_streams_are_refused_or_decoded_with_little_work() {
     const MANY: [u8; 5] = [0xFF, 0xFF, 0xFF, 0xFF, 0x0F];
     let mut random = Random(11);
     let (mut refused, mut most) = (0, Most::default());
-    for round in 0..300 + GRID.len() {
+    let rounds = sampled((0..300 + GRID.len()).collect(), 4);
+    for &round in &rounds {
         let mut stream = GRID.to_vec();
         if let Some(at) = round.checked_sub(300) {
             stream.splice(at..=at, MANY);
@@ -172,10 +173,10 @@ fn broken_streams_are_refused_or_decoded_with_little_work() {
             }
         }
         let doc = document(&stream);
-        refused += u32::from(!most.loads(&doc, &round.to_string()));
+        refused += usize::from(!most.loads(&doc, &round.to_string()));
     }
     most.assert_below(1, 1000);
-    assert!(refused > 1000, "{refused}");
+    assert!(3 * refused > rounds.len(), "{refused}");
 }
 
 /// Stream of 200 million vertices with equal positions of 8 bits, and a triangle.

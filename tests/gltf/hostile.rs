@@ -20,7 +20,8 @@ fn the_unharmed_file_loads() {
 fn a_glb_cut_anywhere_is_refused() {
     let bytes = rich().glb();
     let folder = Folder::new();
-    for length in 0..bytes.len() {
+    // Daily every length of the header, and behind it the ends of words, where chunks end.
+    for length in (0..bytes.len()).filter(|length| is_long() || *length < 32 || length % 8 == 0) {
         folder.write("m.glb", &bytes[..length]);
         let (name, message) = one_error(load_scene(&scene(&folder.0, "m.glb")));
         let expected = if length < 4 {

@@ -8,7 +8,7 @@ use reflet::scene::{
 
 // Names that most tests of glTF need, beside the functions below.
 pub use crate::{
-    common::{Random, assert_says, cases, folder::Folder},
+    common::{Random, assert_says, cases, folder::Folder, is_long, sampled},
     work::Most,
 };
 pub use glam::{Quat, Vec2, Vec3, Vec4};

@@ -150,7 +150,7 @@ fn broken_files_are_refused_or_decoded_with_little_work() {
     let (files, mut most) = (FILES.map(|(_, file)| file.to_vec()), Most::default());
     let [refused, _] = most.damage(300, &files, 12, document);
     most.assert_below(2, 1000);
-    assert!(refused > 100, "{refused}");
+    assert!(refused > 33, "{refused}");
 }
 
 #[test]

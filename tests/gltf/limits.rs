@@ -122,7 +122,8 @@ fn mutated_files_never_panic() {
         u64::MAX,
     ];
     let (mut loaded, mut most) = (0, Most::default());
-    for round in 0..2000 {
+    let rounds = if is_long() { 2000 } else { 700 };
+    for round in 0..rounds {
         let bytes = if round % 2 == 0 {
             let mut bytes = good.clone();
             for _ in 0..=random.below(4) {
@@ -150,7 +151,7 @@ fn mutated_files_never_panic() {
     }
     most.assert_below(1, 1000);
     assert!(
-        (100..1900).contains(&loaded),
+        (rounds / 20..rounds * 19 / 20).contains(&loaded),
         "mutations should sometimes do harm: {loaded} load"
     );
 }

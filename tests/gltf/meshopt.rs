@@ -192,7 +192,8 @@ fn broken_streams_are_refused_or_read_with_little_work() {
     })
     .collect();
     let (mut loaded, mut refused, mut most) = (0, 0, Most::default());
-    for i in 0..400 {
+    let rounds = if is_long() { 400 } else { 140 };
+    for i in 0..rounds {
         let mut doc = docs[i % docs.len()].clone();
         for _ in 0..=random.below(8) {
             let at = random.below(doc.bin.len());
@@ -205,7 +206,7 @@ fn broken_streams_are_refused_or_read_with_little_work() {
     }
     most.assert_below(1, 1000);
     assert!(
-        loaded > 20 && refused > 20,
+        20 * loaded > rounds && 20 * refused > rounds,
         "{loaded} loaded, {refused} refused"
     );
 }

@@ -34,7 +34,7 @@ fn moving_chain(length: usize) -> Doc {
 
 #[test]
 fn a_chain_of_twice_the_length_takes_twice_the_work() {
-    let [short, long] = [10_000, 20_000].map(|length| {
+    let [short, long] = [5_000, 10_000].map(|length| {
         let doc = moving_chain(length);
         let (world, work) = counted(|| doc.world());
         assert_eq!(world.instances.len(), length);

@@ -158,7 +158,7 @@ fn placing(names: impl Iterator<Item = String>, params: impl Fn(usize) -> String
 
 #[test]
 fn what_placed_scenes_become_is_limited() {
-    let numbers = format!("version = 1\n[params]\nx = [{}]\n", "0, ".repeat(500_000));
+    let numbers = format!("version = 1\n[params]\nx = [{}]\n", "0, ".repeat(50_000));
     let materials: String = (0..200).map(|i| format!("[material.m{i}]\n")).collect();
     let materials = format!("version = 1\n{materials}");
     let many = placing((0..100).map(|i| format!("p{i}")), |_| String::new());
@@ -219,7 +219,7 @@ fn scenes_that_place_scenes_multiply_no_further_than_the_limit() {
 
 #[test]
 fn texts_of_a_scene_are_limited_together() {
-    let filler = format!("version = 1\n{}", "# filler\n".repeat((15 << 20) / 9));
+    let filler = format!("version = 1\n# {}\n", "filler ".repeat((15 << 20) / 7));
     let files = [
         ("a.toml", filler.as_str()),
         ("b.toml", &filler),
