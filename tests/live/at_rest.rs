@@ -19,16 +19,14 @@ const FILTERED: u8 = 77;
 fn more_and_more_samples_make_the_picture_of_render() {
     let gpu = or_skip!(gpu());
     let written = |samples: u32| SCENE.replace("[image]", &format!("[image]\nsamples = {samples}"));
+    let size = format!("image.size={SIZE:?}");
+    let mut session = session("at-rest", SCENE, &[&size, "reflection.method=hybrid"]);
     // Without a word of it 16.
     for (text, all) in [(written(5), 5), (SCENE.to_owned(), 16), (written(1), 1)] {
         let folder = Folder::new();
         let path = folder.write("scene.toml", text);
-        let set = [
-            &format!("image.size={SIZE:?}"),
-            &format!("image.samples={all}"),
-            "reflection.method=hybrid",
-        ];
-        let mut session = Session::open(&path, &with_set(&set)).expect("it opens");
+        let set = format!("image.samples={all}");
+        session.set([set]).expect("it is set");
         let rendered = session.render(&[]).expect("it renders").display;
         let wanted = png_file::encode(SIZE, &rendered, &[]).expect("encodes");
 

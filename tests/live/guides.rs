@@ -7,11 +7,8 @@ use crate::kit::*;
 /// A turned mirror above a red wall that glows a little, an unlit ball and a floor.
 const SCENE: &str = include_str!("guides/scene.toml");
 
-fn picture(set: &[&str], guides: bool) -> Picture {
-    let folder = Folder::new();
-    let path = folder.write("scene.toml", SCENE);
-    let options = with_set(set);
-    let mut session = Session::open(path, &options).expect("opens");
+fn picture(session: &mut Session, set: &[&str], guides: bool) -> Picture {
+    session.set(set.iter().copied()).expect("is set");
     let view = ViewOverrides {
         guides,
         ..ViewOverrides::default()
@@ -25,14 +22,12 @@ fn picture(set: &[&str], guides: bool) -> Picture {
 #[test]
 fn guides_are_as_smooth_as_the_picture() {
     or_skip!(gpu_or_skip());
-    let plain = picture(&["image.samples=8"], false);
+    let mut session = session("guides", SCENE, &[]);
+    let plain = picture(&mut session, &["image.samples=8"], false);
     assert!(plain.guides.is_empty());
-    for set in [
-        &["image.samples=8"][..],
-        &["image.samples=8", "image.alpha=true"],
-    ] {
-        let found = picture(set, true);
-        if set.len() == 1 {
+    for alpha in ["image.alpha=true", "image.alpha=false"] {
+        let found = picture(&mut session, &[alpha], true);
+        if alpha.ends_with("false") {
             assert_eq!(found.color, plain.color);
         }
         let pixels = 40 * 40;
@@ -53,7 +48,7 @@ fn guides_are_as_smooth_as_the_picture() {
         assert!(between > 20, "{between} pixels of edges are smooth");
     }
     let polished = ["material.red.roughness=0", "material.red.reflectivity=0.3"];
-    let polished = picture(&[&["image.samples=8"][..], &polished].concat(), true);
+    let polished = picture(&mut session, &polished, true);
     for (guide, own) in [0.8, 0.2, 0.1].into_iter().enumerate() {
         let found = polished.guides[guide * 40 * 40 + 13 * 40 + 12];
         assert!((found - (0.3 + 0.7 * own)).abs() < 0.01, "{found}");
@@ -64,11 +59,12 @@ fn guides_are_as_smooth_as_the_picture() {
 #[test]
 fn display_color_made_anew_is_the_same() {
     or_skip!(gpu_or_skip());
+    let mut session = session("display-color", SCENE, &[]);
     for curve in ["none", "neutral", "aces", "agx"] {
         for alpha in ["image.alpha=false", "image.alpha=true"] {
             let curve = format!("image.tone_map={curve:?}");
             let set = [&curve, alpha, "image.samples=3", "image.exposure_ev=0.7"];
-            let rendered = picture(&set, false);
+            let rendered = picture(&mut session, &set, false);
             let mut anew = rendered.clone();
             anew.display
                 .chunks_exact_mut(4)

@@ -23,7 +23,7 @@ use reflet_preview::{
 // Names that most tests of the preview need, beside the functions below.
 pub use crate::{
     background_scripts::Watched,
-    common::{folder::Folder, gpu_or_skip},
+    common::{folder::*, gpu_or_skip, is_long, sampled},
     runtime::with_set,
 };
 pub use glam::Vec3;
@@ -91,6 +91,12 @@ pub fn source(scene: &Path) -> SceneSource {
         shaders: None,
         text: None,
     }
+}
+
+/// A session with this scene, in a folder of this name.
+pub fn session(name: &str, scene: &str, set: &[&str]) -> Session {
+    let path = kept_folder(name, &[("scene.toml", scene)]).join("scene.toml");
+    Session::open(path, &with_set(set)).expect("opens")
 }
 
 /// Opens a scene with `--set` overrides.

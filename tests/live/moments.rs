@@ -7,13 +7,16 @@ use crate::kit::*;
 /// A ball that falls by 1.6 m while the shutter is open, before a wall and above a mirror.
 const SCENE: &str = include_str!("moments/scene.toml");
 
-/// The picture of frame 1 with settings in place of the scene's.
-fn picture(scene: &str, set: &[&str], aovs: &[&str]) -> Picture {
-    let folder = Folder::new();
-    let path = folder.write("scene.toml", scene);
-    let options = with_set(set);
-    let mut session = Session::open(path, &options).expect("opens");
+/// A session at frame 1, in a folder of this name.
+fn opened(name: &str, scene: &str, set: &[&str]) -> Session {
+    let mut session = session(name, scene, set);
     session.pose(1).expect("poses");
+    session
+}
+
+/// The picture after further settings.
+fn picture(session: &mut Session, set: &[&str], aovs: &[&str]) -> Picture {
+    session.set(set.iter().copied()).expect("is set");
     session.render(aovs).expect("renders")
 }
 
@@ -54,16 +57,14 @@ fn few_samples_show_streaks_by_other_methods() {
 fn show_streaks(methods: &[&str]) {
     or_skip!(gpu_or_skip());
     for method in methods {
-        let of = |set: &[&str]| {
-            let method = format!("reflection.method={method:?}");
-            picture(SCENE, &[&[method.as_str()], set].concat(), &[])
-        };
-        let converged = of(&["image.samples=32"]);
-        let sharp = of(&["image.samples=1", "image.shutter=0"]);
-        let one = of(&["image.samples=1"]);
+        let set = format!("reflection.method={method:?}");
+        let mut session = opened(&format!("streaks-{method}"), SCENE, &[&set]);
+        let mut of = |set: &str| picture(&mut session, &[set], &[]);
+        let [converged, four, one] =
+            ["image.samples=32", "image.samples=4", "image.samples=1"].map(&mut of);
+        let sharp = of("image.shutter=0");
         let [copies, streak] = [&sharp, &one].map(|p| blurred_difference(p, &converged));
         assert!(streak < 0.45 * copies, "{method}: {streak} of {copies}");
-        let four = of(&["image.samples=4"]);
         let smooth = blurred_difference(&four, &converged);
         assert!(smooth < 0.5 * streak, "{method}: {smooth} of {streak}");
         let brightness = mean(&four) / mean(&converged);
@@ -75,11 +76,11 @@ fn show_streaks(methods: &[&str]) {
 #[test]
 fn depth_and_counts_are_those_of_the_whole_picture() {
     or_skip!(gpu_or_skip());
+    let mut session = opened("counts", SCENE, &["image.samples=2"]);
     for method in ["reflection.method=\"rt\"", "reflection.method=\"hybrid\""] {
         let aovs = ["depth", "ids", "normal"];
-        let blurred = picture(SCENE, &[method, "image.samples=2"], &aovs);
-        let still = ["image.samples=2", "image.shutter=0"];
-        let sharp = picture(SCENE, &[&[method], &still[..]].concat(), &aovs);
+        let blurred = picture(&mut session, &[method, "image.shutter=1"], &aovs);
+        let sharp = picture(&mut session, &["image.shutter=0"], &aovs);
         assert_ne!(blurred.color, sharp.color);
         assert_eq!(blurred.planes, sharp.planes, "{method}");
         let [blurred, sharp] = [&blurred, &sharp].map(|picture| picture.stats.shares.reflective);
@@ -92,14 +93,13 @@ fn depth_and_counts_are_those_of_the_whole_picture() {
 fn shadow_maps_move_while_the_shutter_is_open() {
     or_skip!(gpu_or_skip());
     let lamp = "[light.lamp]\nkind = \"directional\"\ndirection = [0, 0, -1]\nintensity_lux = 3\n";
-    let of = |shadow: &str, samples: &str| {
-        let scene = format!("{SCENE}{lamp}shadow = \"{shadow}\"\nshadow_px = 512\n");
-        let scene = scene.replace("emission = [1, 1, 1]", "");
-        picture(&scene, &["reflection.method=\"rt\"", samples], &[])
-    };
+    let scene = format!("{SCENE}{lamp}shadow = \"map\"\nshadow_px = 512\n");
+    let scene = scene.replace("emission = [1, 1, 1]", "");
     // Four moments in each sample.
-    let samples = "image.samples=8";
-    let [map, ray] = ["map", "ray"].map(|shadow| of(shadow, samples));
+    let set = ["reflection.method=\"rt\"", "image.samples=8"];
+    let mut session = opened("shadow-moments", &scene, &set);
+    let [map, ray] = ["light.lamp.shadow=map", "light.lamp.shadow=ray"]
+        .map(|shadow| picture(&mut session, &[shadow], &[]));
     let difference = blurred_difference(&map, &ray);
     assert!(difference < 0.02, "{difference}");
 }
@@ -111,11 +111,12 @@ fn alpha_and_odd_sizes_work_with_moments() {
     let scene = SCENE.replace("size = [8, 8]", "size = [0.01, 0.01]");
     let scene = scene.replace("radius = 0.2", "radius = 0.7");
     let set = ["image.size=[47, 63]", "image.alpha=true"];
-    let of = |samples: &str| picture(&scene, &[&set[..], &[samples]].concat(), &[]);
-    let (few, many) = (of("image.samples=3"), of("image.samples=64"));
+    let mut session = opened("alpha-moments", &scene, &set);
+    let [few, many] = ["image.samples=3", "image.samples=64"]
+        .map(|samples| picture(&mut session, &[samples], &[]));
     let covered = |p: &Picture| p.color.chunks_exact(4).map(|pixel| pixel[3]).sum::<f32>();
     let share = covered(&few) / covered(&many);
     assert!((share - 1.0).abs() < 0.05, "{share}");
-    let ids = picture(&scene, &[&set[..], &["image.samples=1"]].concat(), &["ids"]);
+    let ids = picture(&mut session, &["image.samples=1"], &["ids"]);
     assert!(matches!(&ids.planes[0].data, PlaneData::U32(ids) if ids.len() == 2 * 47 * 63));
 }

@@ -3,7 +3,7 @@
 use reflet::{render::RebuildSummary, scene::desc::Method};
 use reflet_preview::live::{BuildProblem, Reload};
 
-use crate::{kit::*, scripts::Session};
+use crate::{kit::*, saves::rounds, scripts::Session};
 
 impl Session {
     /// Replaces text in the scene and reloads.
@@ -108,7 +108,7 @@ fn another_shape_reads_the_scene_whole() {
 #[test]
 fn broken_then_good_keeps_the_last_picture() {
     let mut session = or_skip!(Session::open(Folder::new(), SCENE));
-    for round in 0..50 {
+    for round in 0..rounds(50) {
         let before = session.picture();
         let good = fs::read_to_string(&session.scene).expect("written");
         let broken = match round % 3 {

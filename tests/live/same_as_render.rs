@@ -188,13 +188,14 @@ fn a_session_that_is_changed_at_a_late_frame_decides_as_a_new_one() {
     for height in ["0.5", "1.5", "-3"] {
         let set = format!("params.height={height}");
         session.set([set.as_str()]).expect("it is set");
-        let (wanted, _) = rendered(&path, LATE, None, &[&set]);
-        let picture = session.render(&[]).expect("it renders");
-        assert!(picture.display == wanted, "{height}");
         // Their reasons count what the rays of the first frame meet.
-        let new = self::session(&path, None, &[&set]);
+        let mut new = self::session(&path, None, &[&set]);
         let decisions = new.renderer().decisions();
         assert_eq!(session.renderer().decisions(), decisions, "{height}");
+        new.pose(LATE).expect("it poses");
+        let [wanted, picture] =
+            [&mut new, &mut session].map(|session| session.render(&[]).expect("it renders"));
+        assert!(picture.display == wanted.display, "{height}");
     }
 }
 

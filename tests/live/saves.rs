@@ -6,10 +6,10 @@ use reflet_preview::watch::WatchList;
 
 use crate::kit::*;
 
-/// Repetitions of each way of saving.
-pub const ROUNDS: usize = 20;
-/// Repetitions of the test of a thousand saves at once, of which some hundred are read.
-pub const BURSTS: usize = 5;
+/// Daily a third of the repetitions: 20 of each way of saving, 6 of a thousand saves at once, of which some hundred are read.
+pub fn rounds(all: usize) -> usize {
+    if is_long() { all } else { all / 3 }
+}
 
 fn watch(path: &Path) -> Watch {
     Watch::settled(WatchList {
@@ -68,7 +68,7 @@ fn every_way_of_saving_is_seen() {
         let folder = Folder::new();
         let path = folder.write("sub/a.toml", "first");
         let watch = watch(&path);
-        for round in 0..ROUNDS {
+        for round in 0..rounds(20) {
             let text = format!("{round} ").repeat(1 + 977 * (round % 3));
             save(&folder, &path, &text);
             let seen = RefCell::new(String::new());
@@ -102,7 +102,7 @@ fn a_link_to_the_folder_is_swapped() {
     link(&folder, "version-first", &folder.path("current"));
     let path = folder.path("current/a.toml");
     let watch = watch(&path);
-    for round in 0..ROUNDS {
+    for round in 0..rounds(20) {
         let text = format!("round {round}");
         folder.write(&format!("version-{round}/a.toml"), &text);
         link(
@@ -123,7 +123,7 @@ fn a_burst_of_a_thousand_saves_ends_with_the_last() {
     let folder = Folder::new();
     let path = folder.write("a.toml", "first");
     let watch = watch(&path);
-    for burst in 0..BURSTS {
+    for burst in 0..rounds(6) {
         for i in 0..1000 {
             fs::write(&path, format!("{burst} {i}")).expect("written");
         }
@@ -145,7 +145,7 @@ fn a_touch_without_change_and_a_neighbor_are_no_change() {
     let folder = Folder::new();
     let path = folder.write("a.toml", "same");
     let watch = watch(&path);
-    for round in 0..ROUNDS {
+    for round in 0..rounds(20) {
         fs::write(&path, "same").expect("written");
         let temporary = folder.write("b.toml", "same");
         if round % 2 == 0 {
@@ -159,7 +159,7 @@ fn a_touch_without_change_and_a_neighbor_are_no_change() {
         assert_eq!(changes, [Change::Scene].into());
     }
     assert_eq!(fs::read_to_string(&path).expect("readable"), "same");
-    for _ in 0..ROUNDS {
+    for _ in 0..rounds(20) {
         let temporary = folder.write("b.toml", "same");
         fs::rename(temporary, &path).expect("renamed");
     }

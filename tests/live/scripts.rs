@@ -15,7 +15,7 @@ use reflet_preview::{
 
 use crate::{
     kit::*,
-    saves::{BURSTS, ROUNDS, SAVES, Save},
+    saves::{SAVES, Save, rounds},
 };
 
 pub const SCRIPT: &str = include_str!("scripts/script.rhai");
@@ -178,7 +178,7 @@ fn frames_are_what_a_fresh_start_shows_in_any_order() {
 fn broken_then_good_keeps_the_last_picture() {
     let mut session = or_skip!(Session::new());
     session.live.pose_now(8);
-    for round in 0..ROUNDS {
+    for round in 0..rounds(20) {
         let before = session.picture();
         let (broken, line) = match round % 4 {
             0 => (SCRIPT.replace("fn setup(ctx) {", "fn setup(ctx {"), 2),
@@ -210,10 +210,10 @@ fn every_way_of_saving_a_script_ends_with_its_last_text() {
         folder.write("sub/neighbor.rhai", "fn x() {}");
         fs::write(path, text).expect("written");
     };
-    let bursts = ("a burst", burst, BURSTS);
-    let ways = SAVES.into_iter().map(|(way, save)| (way, save, ROUNDS));
-    for (way, save, rounds) in ways.chain([bursts]) {
-        for round in 0..rounds {
+    let bursts = ("a burst", burst, rounds(6));
+    let ways = SAVES.into_iter().map(|(way, save)| (way, save, rounds(20)));
+    for (way, save, count) in ways.chain([bursts]) {
+        for round in 0..count {
             let text = format!("{SCRIPT}// {way} {round}\n");
             save(&session.borrow().folder, &path, &text);
             watch.until(
