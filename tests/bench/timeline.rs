@@ -74,40 +74,32 @@ fn frames_of_a_timeline_are_posed_measured_and_resumed() {
     }
 
     // Frame 4 equals a static scene with the same values.
-    exits(&folder, run("stands.toml", "still", ""), 0);
+    let [_, said] = exits(&folder, run("stands.toml", "still", ""), 0);
+    assert!(!said.contains("timeline"), "{said}");
     let still = samples(&folder.join("still"));
-    let [posed, written] = [&first[4..], &still[..]].map(|of| of.iter().map(seen));
-    assert_eq!(posed.collect::<Vec<_>>(), written.collect::<Vec<_>>());
+    let written: Vec<_> = still.iter().map(seen).collect();
+    assert_eq!(first[4..].iter().map(seen).collect::<Vec<_>>(), written);
 
-    let said = run_moves("--timeline 0-4 --resume");
-    assert!(said.contains("6 frames were measured before"), "{said}");
-    let second = samples(&out);
-    assert_eq!((second.len(), &second[..6]), (10, &first[..]));
-    // Imports of the script are part of the fingerprint.
-    fs::write(folder.join("path.rhai"), "fn x(t) { t / 4 }\n").expect("a file");
-    let said = run_moves("--timeline 0,4 --resume");
-    assert!(!said.contains("measured before"), "{said}");
-    let third = samples(&out);
-    assert_eq!(third.len(), 14);
-    assert_ne!(third[13].content, first[0].content);
-}
-
-#[test]
-fn without_a_list_the_first_frame_is_posed_and_it_is_said() {
-    or_skip!(gpu_or_skip());
-    let folder = folder("first-frame");
-    write_scenes(&folder);
+    // Without a list the first frame is posed, and it is said.
     let at_4 = run("moves.toml", "one", "--set timeline.start=4");
     let [_, said] = exits(&folder, at_4, 0);
     let note = "of the frames 4 to 7 of its timeline only 4 is measured";
     assert_eq!(said.matches(note).count(), 1, "{said}");
     let one = samples(&folder.join("one"));
     assert!(one.iter().all(|s| s.frame == 4 && s.update_ms.is_none()));
-    let [_, said] = exits(&folder, run("stands.toml", "still", ""), 0);
-    assert!(!said.contains("timeline"), "{said}");
-    let still = samples(&folder.join("still"));
-    let [posed, written] = [&one[..], &still[..]].map(|of| of.iter().map(seen));
-    assert_eq!(posed.collect::<Vec<_>>(), written.collect::<Vec<_>>());
+    assert_eq!(one.iter().map(seen).collect::<Vec<_>>(), written);
+
+    let said = run_moves("--timeline 0,2-4 --resume");
+    assert!(said.contains("6 frames were measured before"), "{said}");
+    let second = samples(&out);
+    assert_eq!((second.len(), &second[..6]), (8, &first[..]));
+    // Imports of the script are part of the fingerprint.
+    fs::write(folder.join("path.rhai"), "fn x(t) { t / 4 }\n").expect("a file");
+    let said = run_moves("--timeline 0 --resume");
+    assert!(!said.contains("measured before"), "{said}");
+    let third = samples(&out);
+    assert_eq!(third.len(), 10);
+    assert_ne!(third[9].content, first[0].content);
 }
 
 #[test]

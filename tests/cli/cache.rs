@@ -87,12 +87,13 @@ fn compiled_pipelines_are_kept_and_cleared() {
     let says = format!(" in {} files, at most ", after_first.len());
     assert!(report.contains(&says), "{says:?} in {report}");
     // Broken files are compiled again.
-    for broken in [&b""[..], b"not a pipeline"] {
-        for path in &after_first {
-            fs::write(path, broken).expect("writable");
-        }
-        assert_eq!(picture(&folder, &home), first);
+    for (path, broken) in after_first
+        .iter()
+        .zip([&b""[..], b"not a pipeline"].iter().cycle())
+    {
+        fs::write(path, broken).expect("writable");
     }
+    assert_eq!(picture(&folder, &home), first);
     let foreign = folder.join("home/.cache/reflet/pipelines/notes.txt");
     fs::write(&foreign, "not Reflet's").expect("writable");
     assert!(run(&["cache", "--clear"]).contains(", removed\n"));

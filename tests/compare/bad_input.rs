@@ -127,10 +127,11 @@ fn damage(path: &Path, folder: &Folder, changes: usize) -> [usize; 2] {
 #[test]
 fn damaged_files_never_panic() {
     let folder = Folder::new();
-    let png = damage(&good(&folder, "a.png"), &folder, 1000);
-    let exr = damage(&good_exr(&folder, "a.exr"), &folder, 1000);
+    let changes = if crate::common::is_long() { 1000 } else { 300 };
+    let png = damage(&good(&folder, "a.png"), &folder, changes);
+    let exr = damage(&good_exr(&folder, "a.exr"), &folder, changes);
     println!("[read, refused]: PNG {png:?}, OpenEXR {exr:?}");
-    assert!(png[1] > 500 && exr[1] > 100);
+    assert!(2 * png[1] > changes && 10 * exr[1] > changes);
 }
 
 #[test]

@@ -119,7 +119,7 @@ fn end_at_random_moments(rounds: u32) {
 
 #[test]
 fn kills_lose_nothing() {
-    end_at_random_moments(if is_long() { 100 } else { 8 });
+    end_at_random_moments(if is_long() { 100 } else { 6 });
 }
 
 /// Ends a video file at random times: its path holds the complete old or the complete new film.

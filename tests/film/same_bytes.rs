@@ -80,12 +80,12 @@ fn packs_and_jobs_are_the_same_bytes() {
 fn frames_and_films_are_the_same_bytes() {
     or_skip!(gpu_or_skip());
     let folder = folder("same-films");
-    let film = words("render scene.toml --set timeline.end=7 --size 64x36 -o");
+    let film = words("render scene.toml --set timeline.end=3 --size 64x36 -o");
     let aov = ["--aov", "depth,normal,cause"];
     let exr = [&film[..], &["f.##.exr"], &aov].concat();
-    check(&folder, &exr, 8);
+    check(&folder, &exr, 4);
     let png = [&film[..], &["f.##.png"], &aov].concat();
-    check(&folder, &png, 4 * 8);
+    check(&folder, &png, 4 * 4);
     check(&folder, &[&film[..], &["f.apng"]].concat(), 1);
     #[cfg(unix)]
     if super::ffmpeg::is_there("ffmpeg") {
@@ -113,7 +113,8 @@ fn files_from_the_future_end_no_film() {
     fs::write(folder.join(other), "half").expect("writable");
     let hour = Duration::from_secs(3600);
     let now = SystemTime::now();
-    for time in [now + hour, now + 100_000 * hour, now - 100_000 * hour] {
+    let times = [now + 100_000 * hour, now - 100_000 * hour, now + hour];
+    for &time in first_or_all(&times, 2) {
         for name in names(&folder) {
             let file = fs::File::options().write(true).open(folder.join(name));
             file.expect("there").set_modified(time).expect("settable");
