@@ -1,6 +1,7 @@
 """Owns the check that the manual names every warning and error of the USD tools."""
 
 import ast
+import functools
 import re
 from pathlib import Path
 
@@ -14,6 +15,7 @@ OTHERS = {"gltf-validator", "reflet-usd", "usd-core", "utf-8"}
 BY_TYPE = {"Volume-dropped"}
 
 
+@functools.cache
 def names_in(path: Path) -> set[str]:
     """Strings that have the shape of a warning's name, and words in brackets at a message's end."""
     found = set()
