@@ -68,23 +68,15 @@ fn differing(a: &Picture, b: &Picture) -> f64 {
 
 #[test]
 fn a_coat_reflects_by_its_own_normals() {
-    check_coats(&[("0.503937", "2", "hybrid")]); // smoothed
-}
-
-#[test]
-#[ignore = "long: the same by further pipelines"]
-fn a_coat_reflects_by_its_own_normals_with_other_settings() {
-    check_coats(&[
+    // Roughness, samples and method; the first is smoothed.
+    let cases = [
+        ("0.503937", "2", "hybrid"),
         ("0", "1", "rt"),
         ("0", "1", "hybrid"),
         ("0.503937", "16", "hybrid"),
-    ]);
-}
-
-/// Compares coats with dielectrics, by roughness, samples and method.
-fn check_coats(cases: &[(&str, &str, &str)]) {
+    ];
     // Over a base that reflects nothing, a coat acts like a dielectric of its index.
-    for (roughness, samples, method) in cases {
+    for (roughness, samples, method) in first_or_all(&cases, 1) {
         let method = format!("reflection.method={method}");
         let samples = format!("image.samples={samples}");
         let set = [method.as_str(), samples.as_str()];

@@ -103,17 +103,14 @@ const PANE: &str = "[material.pane]\ntransmission = 1\nroughness = 0\ndouble_sid
 
 #[test]
 fn lamps_and_panes_hide_the_environment_alike_on_both_sides_of_the_cutoff() {
-    check_lamp_and(PANE);
-}
-
-#[test]
-#[ignore = "long: needs pipelines of its own; the test with a pane holds most of it"]
-fn lamps_hide_the_environment_alike_on_both_sides_of_the_cutoff() {
-    check_lamp_and("");
-}
-
-fn check_lamp_and(pane: &str) {
     let Some(gpu) = gpu() else { return };
+    // The lamp alone needs pipelines of its own.
+    for pane in first_or_all(&[PANE, ""], 1) {
+        check_lamp_and(gpu, pane);
+    }
+}
+
+fn check_lamp_and(gpu: &Gpu, pane: &str) {
     let text = [FURNACE, LAMP, pane].concat();
     let of = |roughness: &str| {
         let set = [
@@ -149,18 +146,9 @@ const IN_FADE: (f32, f32) = (23.0 / 127.0, (0.2 - 23.0 / 127.0) / 0.04);
 
 #[test]
 fn reflections_fade_into_the_environment_towards_the_cutoff() {
-    check_fade(&LIGHTS[..1], true);
-}
-
-#[test]
-#[ignore = "long: each light needs pipelines of its own"]
-fn reflections_of_further_lights_fade_towards_the_cutoff() {
-    check_fade(&LIGHTS[1..], false);
-}
-
-/// Checks a dielectric under each of these lights, and a coat under the first where that is wanted.
-fn check_fade(lights: &[&str], has_coat: bool) {
     let Some(gpu) = gpu() else { return };
+    // Each light needs pipelines of its own. A coat is lit by the first.
+    let lights = first_or_all(&LIGHTS, 1);
     let dielectric = [
         "material.floor.reflectivity=0.5",
         "material.floor.clearcoat=0",
@@ -172,7 +160,7 @@ fn check_fade(lights: &[&str], has_coat: bool) {
         "clearcoat_roughness",
     ];
     let kinds = lights.iter().map(|light| (*light, dielectric));
-    let coats = has_coat.then_some((lights[0], coat));
+    let coats = [(lights[0], coat)];
     for (light, [reflectivity, clearcoat, key]) in kinds.chain(coats) {
         let text = [ROOM, light].concat();
         let of = |roughness: f32, cutoff: f32| {

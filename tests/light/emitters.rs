@@ -71,14 +71,10 @@ fn pair(floor: &str) -> [String; 2] {
         .replace("fov_deg = 1", "fov_deg = 50")
         .replace("eye = [0, 0.5, 1]", "eye = [0, 2, 4]")
         .replace("size = [16, 16]", "size = [96, 64]");
-    let block = "[material.block]\nbase_color = [0.5, 0.5, 0.5]\nreflectivity = 0\n[model.block]\n\
-                 shape = { kind = \"box\", size = [0.6, 0.8, 0.6] }\nmaterial = \"block\"\n[[instance]]\n\
-                 model = \"block\"\ntranslation = [0.5, 0.4, 0.3]\n";
+    let block = include_str!("emitters/block.toml");
     // Within the block no light reaches it; it lets all floors have the same features, so that shaders are compiled
     // once. The tests around have plans with fewer features.
-    let hidden = "[material.hidden]\nroughness = 0.4\nclearcoat = 1\n[model.hidden]\n\
-                  shape = { kind = \"box\", size = [0.1, 0.1, 0.1] }\nmaterial = \"hidden\"\n[[instance]]\n\
-                  model = \"hidden\"\ntranslation = [0.5, 0.4, 0.3]\n";
+    let hidden = include_str!("emitters/hidden.toml");
     let light = "[light.lamp]\nkind = \"rect\"\nposition = [0, 2, -1]\ndirection = [0, -1, 0]\n\
                  intensity_cd = 12\nsize = [3, 1]\nup = [0, 0, 1]\n";
     let surface = lamp(
@@ -141,19 +137,14 @@ const FLOORS: [(&str, f32); 6] = [
 
 #[test]
 fn a_glowing_rectangle_is_a_rectangular_light() {
-    check_rectangle(&FLOORS[1..2], &["rt"]);
-}
-
-#[test]
-#[ignore = "long: each floor and method needs pipelines of its own"]
-fn a_glowing_rectangle_is_a_rectangular_light_on_further_floors() {
-    check_rectangle(&FLOORS, &["rt", "hybrid"]);
-}
-
-/// Checks that a glowing rectangle lights these floors as a rectangular light does.
-fn check_rectangle(floors: &[(&str, f32)], methods: &[&str]) {
     let Some(gpu) = gpu() else { return };
-    for (floor, noise) in floors {
+    // Each floor and method needs pipelines of its own.
+    let methods = first_or_all(&["rt", "hybrid"], 1);
+    for (floor, noise) in if is_long() {
+        &FLOORS[..]
+    } else {
+        &FLOORS[1..2]
+    } {
         let texts = pair(floor);
         // Without reflections both methods are one.
         let is_metal = floor.contains("metallic") && !floor.contains("none");
@@ -182,9 +173,7 @@ fn mirrors_show_what_a_surface_lights() {
         "[2, 2, 2]",
         "translation = [0, 2, 0]",
     );
-    let mirror = "[material.mirror]\nbase_color = [1, 1, 1]\nmetallic = 1\nroughness = 0\n\
-                  [model.mirror]\nshape = { kind = \"plane\", size = [1, 1] }\nmaterial = \"mirror\"\n\
-                  [[instance]]\nmodel = \"mirror\"\ntranslation = [2, 1, 0]\nrotation_deg = [180, 0, 0]\n";
+    let mirror = include_str!("emitters/mirror.toml");
     let text = [FLOOR, &ball, mirror].concat();
     for method in ["rt", "hybrid"] {
         let method = format!("reflection.method={method}");

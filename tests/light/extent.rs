@@ -202,9 +202,7 @@ pub const METAL: &str = include_str!("extent/metal.toml");
 #[test]
 fn a_mirror_stays_sharp_whatever_its_roughness() {
     let Some(gpu) = gpu() else { return };
-    let ball = "[material.red]\nemission = [1, 0, 0]\n[model.ball]\nshape = { kind = \"sphere\" }\n\
-                material = \"red\"\n[[instance]]\nmodel = \"metal\"\n[[instance]]\nmodel = \"ball\"\n\
-                translation = [0, 1, 0]\n";
+    let ball = include_str!("extent/ball.toml");
     let text = format!("{METAL}{ball}").replace("size = [16, 16]\nsamples = 16", "size = [64, 36]");
     let of = |set: &[&str]| render(gpu, &text, set, &[]);
     let camera = [

@@ -59,12 +59,9 @@ fn white_things_in_white_light_cannot_be_seen_by_all_paths() {
     let Some(gpu) = gpu() else { return };
     let found = mean(&render(gpu, WHITE, &["reflection.method=path"], &[]))[0];
     assert_close(found, 1.0, 0.01);
-}
-
-#[test]
-#[ignore = "long: the same by a few bounces"]
-fn a_few_bounces_give_most_of_the_light_of_white_things() {
-    let Some(gpu) = gpu() else { return };
+    if !is_long() {
+        return;
+    }
     let few = ["reflection.diffuse_bounces=4", "reflection.bounces=8"];
     let few = mean(&render(gpu, WHITE, &few, &[]))[0];
     assert_close(few, 1.0, 0.01);

@@ -101,12 +101,9 @@ fn glass_in_a_white_world_cannot_be_seen() {
     let all = "transmission = 1\nthickness_m = 1\ndispersion = 1\nclearcoat = 0.5\nior = 2";
     let unseen = thing(BALL, all) + "translation = [0, 90, 0]\n";
     check_glass(&(unseen.replace("roughness = 0", "roughness = 0.4")).replace("thing", "unseen"));
-}
-
-#[test]
-#[ignore = "long: each kind by pipelines of its own"]
-fn each_glass_alone_in_a_white_world_cannot_be_seen() {
-    check_glass("");
+    if is_long() {
+        check_glass(""); // each kind by pipelines of its own
+    }
 }
 
 fn check_glass(unseen: &str) {

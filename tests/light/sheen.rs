@@ -203,9 +203,7 @@ fn tinted_glass_passes_no_tint() {
     // A black floor below, so that transmitted light is lost.
     let text = [
         &FLOOR.replace("[material.floor]", &format!("[material.floor]\n{own}")),
-        "[material.black]\nbase_color = [0, 0, 0]\nreflectivity = 0\n[model.black]\n\
-         shape = { kind = \"plane\", size = [20, 20] }\nmaterial = \"black\"\n[[instance]]\nmodel = \"black\"\n\
-         translation = [0, -1, 0]\n",
+        include_str!("sheen/black.toml"),
     ]
     .concat();
     let Some(gpu) = gpu() else { return };
@@ -227,9 +225,7 @@ fn reflections_show_sheen_and_tints_too() {
     let own = "base_color = [0.1, 0.1, 0.1]\nsheen_color = [0, 0.8, 0]\nsheen_roughness = 0.4\nroughness = 0.3\n\
                specular_color = [10, 1, 1]";
     let text = FLOOR.replace("[material.floor]", &format!("[material.floor]\n{own}"));
-    let mirror = "[material.mirror]\nmetallic = 1\nroughness = 0\n[model.mirror]\n\
-                  shape = { kind = \"plane\", size = [1, 1] }\nmaterial = \"mirror\"\n[[instance]]\n\
-                  model = \"mirror\"\ntranslation = [-3, 1, 0]\nrotation_deg = [0, 0, -90]\n";
+    let mirror = include_str!("sheen/mirror.toml");
     let text = [text.as_str(), mirror].concat();
     // The mirrored camera sees the same point of the floor.
     let straight = [
@@ -270,9 +266,7 @@ fn reflections_show_sheen_and_tints_too() {
 #[test]
 fn textures_of_layers_multiply_their_numbers() {
     let Some(gpu) = gpu() else { return };
-    let keys = "base_color = [0.2, 0.2, 0.2]\nroughness = 0.4\nspecular_color = [9, 9, 9]\nspecular = 1\n\
-                sheen_color = [1, 1, 1]\nsheen_roughness = 1\ntransmission = 1\nclearcoat = 1\nclearcoat_roughness = 1\n\
-                diffuse_transmission = 1";
+    let keys = include_str!("sheen/keys.txt");
     let text = FLOOR.replace("[material.floor]", &format!("[material.floor]\n{keys}"));
     let set = ["camera.main.eye=[2, 2, 0]", "image.samples=16"];
     let texel = [51_u8, 102, 204, 128];

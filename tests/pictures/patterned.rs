@@ -122,13 +122,9 @@ fn rays_meet_the_pattern_that_the_screen_shows() {
     let traced = render(gpu, MARBLE, &["reflection.method=rt"], &[]);
     let differing = share_differing(&specialized, &traced, 6);
     assert!(differing < 0.02, "rt: {differing}");
-}
-
-#[test]
-#[ignore = "long: general pipelines, and paths"]
-fn general_pipelines_and_paths_meet_the_same_pattern() {
-    let Some(gpu) = gpu() else { return };
-    let specialized = render(gpu, MARBLE, &[], &[]);
+    if !is_long() {
+        return;
+    }
     let (desc, world) = scene(MARBLE, &[]);
     let mut general = renderer(gpu, &desc, &world, true);
     let general = general.first_view(&world, &[]);

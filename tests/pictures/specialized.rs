@@ -97,12 +97,6 @@ fn compare(
     dropped
 }
 
-/// Scenes whose general frame takes software drivers minutes to compile.
-fn is_slow(path: &Path) -> bool {
-    let slow = ["interior.toml", "street.toml", "studio.toml"];
-    slow.iter().any(|name| path.ends_with(name))
-}
-
 /// Scenes that together drop every feature that some scene drops, and keep every feature that some scene keeps.
 const FEW: [(&str, &[&str]); 3] = [
     ("scenes/cornell.toml", &[]),
@@ -110,12 +104,14 @@ const FEW: [(&str, &[&str]); 3] = [
     ("scripts/walk.toml", &[]),
 ];
 
-fn compare_shipped(wanted: impl Fn(&Path) -> bool) {
+#[test]
+#[ignore = "long: all shipped scenes"]
+fn the_specialized_frame_of_shipped_scenes_equals_the_general_one() {
     let assets = shared_folder("REFLET_ASSETS", "assets");
     let scenes = shipped();
     assert!(scenes.len() >= 13, "{scenes:?}");
     let mut compared = HashSet::new();
-    for path in scenes.iter().filter(|path| wanted(path)) {
+    for path in &scenes {
         let _ = compare(path, assets.as_deref(), &[SMALL], &mut compared);
     }
 }
@@ -131,18 +127,6 @@ fn the_specialized_frame_equals_the_general_one() {
     }
     assert!(gpu().is_none() || dropped.len() >= 20, "{dropped:?}");
     assert!(gpu().is_none() || compared.len() == FEW.len());
-}
-
-#[test]
-#[ignore = "long: all shipped scenes but the slow ones"]
-fn the_specialized_frame_of_shipped_scenes_equals_the_general_one() {
-    compare_shipped(|path| !is_slow(path));
-}
-
-#[test]
-#[ignore = "long: takes minutes of compiling"]
-fn the_specialized_frame_of_slow_scenes_equals_the_general_one() {
-    compare_shipped(is_slow);
 }
 
 #[test]
