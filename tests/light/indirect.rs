@@ -62,7 +62,7 @@ fn white_things_in_white_light_cannot_be_seen_by_all_paths() {
     if !is_long() {
         return;
     }
-    let few = ["reflection.diffuse_bounces=4", "reflection.bounces=8"];
+    let few = ["reflection.diffuse_bounces=8", "reflection.bounces=8"];
     let few = mean(&render(gpu, WHITE, &few, &[]))[0];
     assert_close(few, 1.0, 0.01);
     let direct = mean(&render(gpu, WHITE, &["environment.shadow=ray"], &[]))[0];
