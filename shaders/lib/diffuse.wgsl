@@ -33,6 +33,7 @@ fn without_specular(s: Surface) -> Surface {
 
 // Number of diffuse scatterings along the path.
 var<private> path_scatterings: u32 = 0u;
+var<private> walks_within: bool = true; // whether paths walk within solids that scatter light
 
 // Optical depth of the offset at which rays start, up to which paths enter a solid: denser ones would lose light.
 const MOST_OFFSET_DEPTH: f32 = 0.1;
@@ -49,7 +50,7 @@ fn as_boundary(s: Surface) -> Surface {
     }
     let extinction = material_extinction(s.material);
     let depth = max(extinction.x, max(extinction.y, extinction.z)) * start_offset_m(s.position);
-    if (path_scatterings < frame.diffuse_bounces && depth < MOST_OFFSET_DEPTH) { return met; }
+    if (walks_within && path_scatterings < frame.diffuse_bounces && depth < MOST_OFFSET_DEPTH) { return met; }
     let lack = sqrt(1.0 - material_scattering(s.material));
     let returned = (1.0 - lack) * (1.0 - 0.139 * lack) / (1.0 + 1.17 * lack);
     // Its color tints light on the way in and on the way out.

@@ -80,6 +80,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let pixel = id.xy + vec2u(params.first_x, params.first_y);
     if (any(pixel >= vec2u(params.face_px))) { return; }
     let layer = params.first_layer + id.z;
+    walks_within = false;
     let probe = probes[layer / 6u].position.xyz;
     var sum = vec4f(0.0);
     let seed = pixel + vec2u(params.face_px * layer, 0u);
