@@ -129,7 +129,7 @@ fn errors(source: &Arc<Source>, base: usize, report: &mut Report) -> Vec<Shadow>
 }
 
 fn explain_unclosed(text: &str, base: usize, open: &Unclosed, report: &mut Report) {
-    let line = text[open.at..].lines().next().unwrap_or_default();
+    let line = begin_of(text[open.at..].lines().next().unwrap_or_default());
     if let Some((at, message, help)) = forms::found("open", line) {
         let at = base + open.at + at.start..base + open.at + at.end;
         report.error("toml-syntax", &at, message).help = Some(help);
@@ -290,8 +290,10 @@ struct Mistake<'t> {
     pub found: &'t str,
     /// Text from there to the end of the line.
     pub rest: &'t str,
-    /// Text of the line, without spaces around it.
+    /// Text of the line around the place, without spaces around it.
     pub line: &'t str,
+    /// Whether that text begins with the line.
+    pub is_from_start: bool,
     /// Kind of the table that the line is in; empty before all headers.
     pub table: &'t str,
     /// Text left of the first `=`; `value` is the text right of it, without a comment.
@@ -301,6 +303,14 @@ struct Mistake<'t> {
     pub message: &'t str,
     /// Whether the text is a project's, not a scene's.
     pub is_project: bool,
+}
+
+/// Number of bytes of a line that expressions look through on each side of a mistake.
+const MOST_READ: usize = 2000;
+
+/// The first [`MOST_READ`] bytes of a text, up to a character.
+fn begin_of(text: &str) -> &str {
+    &text[..text.floor_char_boundary(MOST_READ)]
 }
 
 /// A message with advice.
@@ -325,7 +335,10 @@ fn foreign_language(text: &str) -> Option<(Range<usize>, &'static str, &'static 
         line.is_empty() || is_hash || line.starts_with("//")
     };
     let mut lines = text.lines().filter(|line| !is_remark(line));
-    let (first, next) = (lines.next()?, lines.next().unwrap_or_default().trim());
+    let (first, next) = (
+        begin_of(lines.next()?),
+        begin_of(lines.next().unwrap_or_default()).trim(),
+    );
     let start = first.as_ptr() as usize - text.as_ptr() as usize;
     let indent = first.len() - first.trim_start().len();
     let at = start + indent..start + first.trim_end().len();

@@ -3,7 +3,7 @@
 use std::{borrow::Cow, ops::Range, sync::LazyLock};
 
 use super::{
-    Mistake, Words,
+    MOST_READ, Mistake, Words, begin_of,
     numbers::{constant, number},
     several::several,
     value_types::types_of,
@@ -22,12 +22,18 @@ pub fn in_plain_words(text: &str, at: &Range<usize>, message: &str, is_project: 
     let start = text.floor_char_boundary(at.start);
     let line_start = text[..start].rfind('\n').map_or(0, |i| i + 1);
     let line_end = text[start..].find('\n').map_or(text.len(), |i| start + i);
-    let line = &text[line_start..line_end];
-    let (key, value) = line.split_once('=').unwrap_or(("", line));
+    let (key, _) = (text[line_start..line_end].split_once('=')).unwrap_or_default();
+    let key = begin_of(key);
+    // A mistake is near its place, and expressions would look through megabytes of a line for seconds.
+    let first = line_start.max(text.ceil_char_boundary(start.saturating_sub(MOST_READ)));
+    let rest = begin_of(&text[start..line_end]);
+    let line = &text[first..start + rest.len()];
+    let value = line.split_once('=').map_or(line, |(_, value)| value);
     let mistake = Mistake {
-        found: text.get(at.clone()).unwrap_or(""),
-        rest: text[start..line_end].trim_end(),
+        found: begin_of(text.get(at.clone()).unwrap_or("")),
+        rest: rest.trim_end(),
         line: line.trim(),
+        is_from_start: first == line_start,
         key: key.trim(),
         table: table_of(&text[..line_start], key),
         value: without_comment(value).trim(),
@@ -54,7 +60,7 @@ pub fn in_plain_words(text: &str, at: &Range<usize>, message: &str, is_project: 
     let Some(words) = explained else {
         return plain(format!("not TOML: {message}"), None);
     };
-    let indent = line_start + line.len() - line.trim_start().len();
+    let indent = first + line.len() - line.trim_start().len();
     let moved = |own: Range<usize>| indent + own.start..indent + own.end;
     Words {
         at: words.at.map(moved),
@@ -105,6 +111,7 @@ impl<'t> Mistake<'t> {
             && self.value.chars().all(char::is_alphanumeric)
             && self.message.starts_with("invalid ");
         match name {
+            "line" | "place" | "value" | "list" | "entry" if !self.is_from_start => None,
             "line" => Some(self.line.into()),
             "rest" => Some(self.rest.into()),
             "place" => {
@@ -169,7 +176,7 @@ fn header(m: &Mistake) -> Option<Words> {
     let inner = m.line.strip_prefix('[').or(in_braces)?;
     let has_name =
         inner.starts_with(['[', ' ', '"', '\'']) || inner.starts_with(char::is_alphabetic);
-    (has_name && m.key.is_empty()).then_some(())?;
+    (has_name && m.key.is_empty() && m.is_from_start).then_some(())?;
     let inner = without_comment(inner).trim_matches(['[', ']', '{', '}', ':', ';', ',', ' ']);
     // Words of a name may stand apart where points divide the names.
     let between: &[char] = if inner.contains('.') {
