@@ -5,6 +5,13 @@ use super::kit::*;
 /// White solids beside each other: of wax, of smooth and of rough glass.
 const WHITE: &str = include_str!("scattering/white.toml");
 
+/// Asserts that each of three numbers is the expected one within `tolerance`.
+fn assert_color(found: [f32; 3], expected: [f32; 3], tolerance: f32) {
+    for (found, expected) in found.into_iter().zip(expected) {
+        assert_close(found, expected, tolerance);
+    }
+}
+
 /// Brightness of each of the white solids.
 fn whites(gpu: &Gpu, set: &[&str]) -> [f32; 3] {
     let picture = render(gpu, WHITE, set, &[]);
@@ -19,8 +26,18 @@ fn whites(gpu: &Gpu, set: &[&str]) -> [f32; 3] {
 #[test]
 fn white_solids_return_all_light_that_enters() {
     let Some(gpu) = gpu() else { return };
-    for found in whites(gpu, &[]) {
-        assert_close(found, 1.0, 0.02);
+    assert_color(whites(gpu, &[]), [1.0; 3], 0.02);
+    // Maps of probes, whose rays walk through no solid, show wax as without paths.
+    let mirror = [
+        "model.milk.material=wax",
+        "model.jade.material=mirror",
+        "reflection.method=probe",
+        "reflection.diffuse_bounces=1",
+        "image.samples=1",
+    ];
+    let picture = render(gpu, WHITE, &mirror, &[]);
+    for i in 0..64 {
+        assert_color(color(&picture, 16 + i % 8, i / 8), [1.0; 3], 0.05);
     }
 }
 
@@ -41,9 +58,7 @@ fn lamps_light_solids_within_alike_by_samples_and_by_rays() {
     let samples = |n| format!("image.samples={n}");
     let [by_rays, by_samples] = [(&[][..], 128), (&sampled[..], 32)]
         .map(|(set, n)| whites(gpu, &[&lit, set, &[samples(n).as_str()]].concat()));
-    for (found, expected) in by_samples.into_iter().zip(by_rays) {
-        assert_close(found, expected, 0.08);
-    }
+    assert_color(by_samples, by_rays, 0.08);
 }
 
 const COLOR: [f32; 3] = [0.8, 0.6, 0.3];
@@ -62,32 +77,24 @@ fn a_thick_solid_returns_its_color_and_a_thin_one_what_a_walk_says() {
     // Light that is scattered onward goes deeper, but in the same color.
     for anisotropy in ["0", "0.6"] {
         let set = format!("material.thick.scattering_anisotropy={anisotropy}");
-        for (found, expected) in slab(gpu, "thick", &[&set]).into_iter().zip(COLOR) {
-            assert_close(found, expected, 0.03);
-        }
+        assert_color(slab(gpu, "thick", &[&set]), COLOR, 0.03);
     }
-    for (found, color) in slab(gpu, "thin", &[]).into_iter().zip(COLOR) {
-        assert_close(found, seen_through_sheet(f64::from(color)) as f32, 0.03);
-    }
+    let walked = COLOR.map(|color| seen_through_sheet(color.into()) as f32);
+    assert_color(slab(gpu, "thin", &[]), walked, 0.03);
 }
 
 #[test]
 fn light_leaves_a_solid_where_it_entered_if_no_path_is_followed() {
     let Some(gpu) = gpu() else { return };
-    let found = slab(gpu, "thick", &["reflection.method=rt", "image.samples=1"]);
-    for (found, expected) in found.into_iter().zip(COLOR) {
-        assert_close(found, expected, 2e-3);
-    }
+    let plain = ["reflection.method=rt", "image.samples=1"];
+    assert_color(slab(gpu, "thick", &plain), COLOR, 2e-3);
     // A clear coat over a white solid takes from it what it returns itself.
-    let coated = [
-        "reflection.method=rt",
-        "image.samples=1",
+    let coat = [
         "material.thick.clearcoat=1",
         "material.thick.scattering_color=[1, 1, 1]",
     ];
-    for found in slab(gpu, "thick", &coated) {
-        assert_close(found, 1.0, 2e-3);
-    }
+    let coated = slab(gpu, "thick", &[plain, coat].concat());
+    assert_color(coated, [1.0; 3], 2e-3);
 }
 
 /// Light that arrives straight from above out of a sheet one mean free path thick with this multiple-scattering color, in the
@@ -97,21 +104,13 @@ fn seen_through_sheet(color: f64) -> f64 {
     let [mut low, mut high] = [0.0, 1.0];
     for _ in 0..60 {
         let lack: f64 = 0.5 * (low + high);
-        let returned = (1.0 - lack) * (1.0 - 0.139 * lack) / (1.0 + 1.17 * lack);
-        [low, high] = if returned > color {
-            [lack, high]
-        } else {
-            [low, lack]
-        };
+        let back = (1.0 - lack) * (1.0 - 0.139 * lack) / (1.0 + 1.17 * lack);
+        let end = if back > color { &mut low } else { &mut high };
+        *end = lack;
     }
     let albedo = 1.0 - low * low;
-    let mut state = 1_u64;
-    let mut random = || {
-        state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        ((state >> 33) as f64 + 0.5) / f64::from(1_u32 << 31)
-    };
+    let mut numbers = crate::common::Random(0x5eed_0003);
+    let mut random = || (numbers.below(1 << 31) as f64 + 0.5) / f64::from(1_u32 << 31);
     let walks = 40_000;
     let mut sum = 0.0;
     for _ in 0..walks {
