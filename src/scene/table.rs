@@ -154,15 +154,17 @@ struct Missing {
     help: String,
 }
 
-/// A value that a key may have, as scene text has it.
-fn example<V: Value>(key: &str, range: Range) -> &'static str {
+/// A value that a key may have in a table at a place, as scene text has it.
+fn example<V: Value>(place: &Place, key: &str, range: Range) -> &'static str {
     let is_right = |text: &&String| {
         let source = Source::new("", format!("x = {text}"));
         let node = source.syntax().root().get("x");
         let named = Named { key, range: &range };
         node.is_some_and(|node| V::read(node, &named, &mut Report::default()).is_some())
     };
-    let listed = suggest::examples(key).iter().find(is_right);
+    let table = place.path.rsplit('.').next().unwrap_or_default();
+    let own = suggest::examples(&format!("{table}.{key}")).iter();
+    let listed = own.chain(suggest::examples(key)).find(is_right);
     listed.map_or("…", String::as_str)
 }
 
@@ -327,7 +329,7 @@ impl<'r> Table<'r> {
                 ),
                 [] => format!(
                     "write `{key} = {}`, {}{comma}{range}",
-                    example::<V>(key, range_of),
+                    example::<V>(&self.place, key, range_of),
                     V::expected()
                 ),
             };
@@ -351,7 +353,7 @@ impl<'r> Table<'r> {
         if value.is_some() || !self.report.lacks_advice() {
             return value;
         }
-        let example = example::<V>(key, range);
+        let example = example::<V>(&self.place, key, range);
         if example != "…" {
             self.report.advise(match V::WORDS {
                 [] => format!("write {}, such as {example}", V::expected()),

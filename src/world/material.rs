@@ -304,7 +304,7 @@ impl Material {
         let new = desc.patterned.iter().chain(&desc.bump);
         let is_new = |key: PatternedKey| new.clone().any(|p| p.value == key);
         (self.patterned).retain(|old| !desc.has(old.value.key()) && !is_new(old.value));
-        self.patterned.extend(new.copied());
+        self.patterned.extend(new.filter(|p| !p.is_flat()));
         if let Some(emission) = desc.emission {
             self.emission = emission;
         }

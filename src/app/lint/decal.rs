@@ -1,4 +1,4 @@
-//! Decals that are turned away from all surfaces in their boxes.
+//! Decals that are turned away from all surfaces in their boxes, and reliefs that decals leave out.
 
 use glam::{Quat, Vec3};
 
@@ -22,8 +22,24 @@ const TURNS: [(Vec3, &str); 6] = [
     (Vec3::NEG_Z, "[0, 180, 0]"),
 ];
 
-/// Warnings about decals whose boxes have surfaces at rest, all of them at a larger angle than the decal covers.
+/// Warnings about decals of the scene text.
 pub fn lint(scene: &Scene, world: &World) -> Vec<Diagnostic> {
+    let placed = scene.decals.iter().zip(&world.decals.list);
+    let left_out = placed.filter(|(_, decal)| world.materials[decal.material].has_relief());
+    let reliefs = left_out.map(|(entry, _)| {
+        let at = &entry.value.material;
+        let message = format!(
+            "decal \"{}\" leaves out the relief `bump` of material \"{}\"",
+            entry.name, at.value
+        );
+        let help = "write a `normal_texture` in place of `bump`, or use a material without it";
+        warning("ignored-key", &at.at, message, help)
+    });
+    reliefs.chain(turned(scene, world)).collect()
+}
+
+/// Warnings about decals whose boxes have surfaces at rest, all of them at a larger angle than the decal covers.
+fn turned(scene: &Scene, world: &World) -> Vec<Diagnostic> {
     let triangles = world
         .instances
         .iter()

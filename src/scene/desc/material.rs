@@ -43,7 +43,7 @@ material! {
     /// A number or color whose kind says "or a table" varies over the surface where a pattern is written in its place:
     /// `roughness = { pattern = "noise", from = 0.1, to = 0.6, size_m = 0.2 }`. A track, a script or an override that
     /// sets it replaces the pattern. At most 6 in a material, with its `bump`. `"none"` in place of an image file leaves out the texture of a
-    /// model's file, or of the material that this one extends.
+    /// model's file, or of the material that this one extends, and in place of a `bump` its relief.
     ///
     /// - `pattern`: a procedural pattern of two colors, in place of `checker` and of a base color texture.
     /// - `extends`: name of a `[material.NAME]` that gives the values of keys left out here.
@@ -241,34 +241,50 @@ pub struct PatternedDesc {
     pub per_instance: bool,
 }
 
+impl PatternedDesc {
+    /// A relief without heights, which takes the place of another one.
+    const FLAT: Self = Self {
+        value: PatternedKey::Bump,
+        kind: PatternKind::Noise,
+        from: Vec3::ZERO,
+        to: Vec3::ZERO,
+        size_m: 1.0,
+        axis: Vec3::X,
+        offset_m: Vec3::ZERO,
+        per_instance: false,
+    };
+
+    /// Whether it is a relief of one height, which changes nothing.
+    pub fn is_flat(&self) -> bool {
+        self.value == PatternedKey::Bump && self.from == self.to
+    }
+}
+
 declared! {
     /// `roughness = { pattern = "noise", from = 0.1, to = 0.6, size_m = 0.2 }`: a number of a material that varies over
     /// the surface, in object space, between two values. Textures multiply it. Detail finer than a pixel shows its
     /// mean.
     ///
-    /// - `pattern`: kind of the pattern.
     /// - `from`: value of the first part of the pattern, in the range of the number.
     /// - `to`: value of the second part of the pattern, in the range of the number.
+    pub struct NumberPatternDesc(PatternedDesc);
+
+    /// Keys that patterns of numbers and of colors share.
+    ///
+    /// - `pattern`: kind of the pattern.
     /// - `size_m`: size of one cell, brick, band or cloud, meters in object space, above 0.
     /// - `axis`: direction of the pattern's own X, three numbers, not all 0; its Y and Z turn with it by the smallest
     ///   rotation. Default [1, 0, 0].
     /// - `offset_m`: place of the pattern's origin, meters in object space, three numbers. Default [0, 0, 0].
     /// - `per_instance`: whether each instance, and each mesh of a model, shows another part of the pattern, as boards of one wood
     ///   do; not of a gradient. Which parts changes with the number of instances before. Default false.
-    pub struct NumberPatternDesc(PatternedDesc);
+    pub struct SharedPatternKeys;
 
     /// `base_color = { pattern = "noise", from = "#803010", to = "#e0e0e0", size_m = 0.2 }`: as a number that follows a
     /// pattern, with two colors.
     ///
-    /// - `pattern`: kind of the pattern.
     /// - `from`: color of the first part of the pattern, linear, or sRGB text, in the range of the color.
     /// - `to`: color of the second part of the pattern, linear, or sRGB text, in the range of the color.
-    /// - `size_m`: size of one cell, brick, band or cloud, meters in object space, above 0.
-    /// - `axis`: direction of the pattern's own X, three numbers, not all 0; its Y and Z turn with it by the smallest
-    ///   rotation. Default [1, 0, 0].
-    /// - `offset_m`: place of the pattern's origin, meters in object space, three numbers. Default [0, 0, 0].
-    /// - `per_instance`: whether each instance, and each mesh of a model, shows another part of the pattern, as boards of one wood
-    ///   do; not of a gradient. Which parts changes with the number of instances before. Default false.
     pub struct ColorPatternDesc;
 
     /// `[motion.material.NAME]`: tracks that change numbers of a `[material.NAME]`, wherever it is used. Values of a

@@ -117,6 +117,20 @@ impl<'r> Table<'r> {
         self.nested(key, node)
     }
 
+    /// Same as [`Table::table`]; the text `"none"` in its place is `none`.
+    pub fn table_or_none<T: Section>(&mut self, key: &'static str, none: T) -> Option<T> {
+        self.note(key, || {
+            let word = Form::Value("\"none\"".to_owned(), json!({ "enum": ["none"] }));
+            KeyRecord::new(key, word).or(Form::Table(T::DOC.name))
+        });
+        self.describe_nested::<T>();
+        let node = self.values.get(key)?;
+        match node.get_ref().as_str() {
+            Some("none") => Some(none),
+            _ => self.nested(key, node),
+        }
+    }
+
     /// Same as [`Table::table`], for a required key; `example` is a value of it.
     pub fn need_table<T: Section>(&mut self, key: &'static str, example: &str) -> Option<T> {
         self.note(key, || {

@@ -4,8 +4,9 @@ use glam::Vec3;
 
 use super::{
     ColorPatternDesc, MATERIAL, MOST_PATTERNED, MaterialDesc, NumberPatternDesc, PatternedDesc,
-    PatternedKey, reflectivity_of,
+    PatternedKey, SharedPatternKeys, reflectivity_of,
 };
+use crate::declared::{Described, TypeDoc};
 use crate::desc::{At, PatternDesc, PatternKind};
 use crate::syntax::Node;
 use crate::table::{Section, Table, ValueOr, color::Color, value::Value};
@@ -29,7 +30,7 @@ impl Section for MaterialDesc {
         t.refers("extends", &["material"]);
         let ior = t.find("ior", INDEX);
         let bump = t
-            .table("bump")
+            .table_or_none("bump", NumberPatternDesc(PatternedDesc::FLAT))
             .map(|NumberPatternDesc(heights)| PatternedDesc {
                 value: PatternedKey::Bump,
                 ..heights
@@ -43,7 +44,10 @@ impl Section for MaterialDesc {
         let mut patterned = Vec::new();
         material.read_keys(t, &mut patterned);
         material.reflectivity = material.reflectivity.or(ior.map(reflectivity_of));
-        if let Some(over) = patterned.iter().chain(&bump).nth(MOST_PATTERNED) {
+        if let Some(over) = (patterned.iter().chain(&bump))
+            .filter(|pattern| !pattern.is_flat())
+            .nth(MOST_PATTERNED)
+        {
             let message = format!("a material has at most {MOST_PATTERNED} patterns");
             let help = "leave one out, or write a number in place of a pattern, or an image file for several of them";
             t.refuse("too-many-patterns", over.value.key(), &message, help);
@@ -125,6 +129,7 @@ impl VariedBy {
 }
 
 impl Section for NumberPatternDesc {
+    const ALSO: &'static [&'static TypeDoc] = &[SharedPatternKeys::DOC];
     const HEADING: &'static str = "roughness = { pattern = … }";
 
     fn read(t: &mut Table) -> Option<Self> {
@@ -143,6 +148,7 @@ impl Section for NumberPatternDesc {
 }
 
 impl Section for ColorPatternDesc {
+    const ALSO: &'static [&'static TypeDoc] = &[SharedPatternKeys::DOC];
     const HEADING: &'static str = "base_color = { pattern = … }";
 
     fn read(t: &mut Table) -> Option<Self> {
