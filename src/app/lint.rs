@@ -13,6 +13,7 @@ mod shadow;
 mod silent;
 pub mod since;
 mod size;
+mod solids;
 mod text;
 mod view;
 
@@ -92,6 +93,7 @@ impl<'a> Lint<'a> {
     pub fn names_at_first(scene: &Scene, world: &World) -> Vec<&'static str> {
         let mut found = inside::lights(scene, world);
         found.extend(inside::cameras(scene, world));
+        found.extend(solids::unseen(scene, world));
         let mut names: Vec<_> = found.iter().map(|d| d.name).collect();
         if scene.timeline.is_none() && !is_lit(world) {
             names.push("no-light");
@@ -120,6 +122,7 @@ impl<'a> Lint<'a> {
         let (scene, at, found) = (self.scene, self.scene.own.clone(), &mut self.found);
         found.extend(ignored::lint(scene, world, &at));
         found.extend(silent::lint(scene, world, &at));
+        found.extend(solids::lint(scene, world));
         found.extend(decal::lint(scene, world));
         found.extend(conventions::lint(scene, world, &at));
         found.extend(lamps::lint(scene, world, &at));

@@ -23,6 +23,7 @@ const MOST_WORK: usize = 50_000_000;
 /// Warnings about lights of the scene text inside of a closed shape that their light cannot leave, while no
 /// camera is inside of it too.
 pub fn lights(scene: &Scene, world: &World) -> Vec<Diagnostic> {
+    let walks = scene.reflection.settled().diffuse_bounces > 0;
     let mut closed = Closed::new(world);
     let mut found = Vec::new();
     let cameras: Vec<Vec3> = world.cameras.iter().map(|c| c.value.eye).collect();
@@ -36,7 +37,10 @@ pub fn lights(scene: &Scene, world: &World) -> Vec<Diagnostic> {
         around.retain(|i| {
             let around = &world.instances[*i];
             let material = &world.materials[around.material];
-            let passes = material.diffuse_transmission.is_some() && !material.scatters();
+            // Walks through wax find lights with a size.
+            let is_met = !material.scatters() || (walks && light.desc.kind.has_size());
+            let passes =
+                material.passes_light() || material.diffuse_transmission.is_some() && is_met;
             around.shown.casts_shadow
                 && !passes
                 && !cameras.iter().any(|eye| closed.contains(*i, *eye))

@@ -4,7 +4,7 @@ use std::f32::consts::PI;
 
 use glam::Vec3;
 
-use super::text::{rounded, warning, written};
+use super::text::{rounded, two_digits, warning, written};
 use crate::{
     math::Bounds,
     scene::{
@@ -69,11 +69,6 @@ fn dense_fog(world: &World, start: &Span, all: &Bounds) -> Option<Diagnostic> {
     let fitting = two_digits(0.5 / distance_m);
     let help = format!("write `fog = {{ density = {fitting} }}` in `[environment]`");
     Some(warning("unlikely-value", at, message, &help))
-}
-
-/// A number with two significant digits.
-fn two_digits(x: f32) -> f64 {
-    format!("{x:.1e}").parse().unwrap_or_default()
 }
 
 /// Name of the warning, message without its subject, and advice; `unseen` is an exposed radiance of a white surface of which

@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use super::text::{each_value, number, rounded, warning, written};
 use crate::{
     scene::{
-        desc::{InstanceMaterialDesc, ModelDesc, ModelSource, ShapeDesc},
+        desc::InstanceMaterialDesc,
         diagnostic::{Diagnostic, Span},
         stages::Scene,
         syntax::{Entries, Node},
@@ -19,7 +19,6 @@ pub fn lint(scene: &Scene, world: &World, start: &Span) -> Vec<Diagnostic> {
     found.extend(invisible_materials(scene, world));
     found.extend(clear(scene));
     found.extend(frosted(scene));
-    found.extend(open_solids(scene, world));
     found.extend(emitters(scene, world));
     found.extend(late_keys(scene, start));
     found.extend(unseen_cameras(scene, world));
@@ -123,34 +122,6 @@ fn frosted(scene: &Scene) -> impl Iterator<Item = Diagnostic> {
             )
         })
     })
-}
-
-/// Solids that light passes through, of shapes with an open rim, at which no light enters or leaves.
-fn open_solids(scene: &Scene, world: &World) -> Vec<Diagnostic> {
-    let is_turned = |model: &ModelDesc| match &model.source {
-        ModelSource::Shape(shape) => {
-            matches!(shape, ShapeDesc::Lathe { .. } | ShapeDesc::Sweep { .. })
-        }
-        ModelSource::File(_) => false,
-    };
-    let turned = (scene.models.iter().enumerate()).filter(|(_, model)| is_turned(&model.value));
-    let found = turned.filter_map(|(index, model)| {
-        let placed = world.placed_models.iter().position(|placed| *placed == index);
-        let instance = &world.instances[placed?];
-        let name = &instance.name;
-        let material = &world.materials[instance.material];
-        let is_open = !world.meshes[instance.mesh].is_closed_outward();
-        (is_open && material.solid).then(|| {
-            let message = format!(
-                "material \"{}\" makes \"{name}\" solid by its `thickness_m`, but the shape is open at its rim",
-                material.name
-            );
-            let help = "close the shape, as by points up the outside and down the inside of a cup, or write \
-                        `thickness_m = 0` for a thin sheet";
-            warning("open-solid", &model.at, message, help)
-        })
-    });
-    found.collect()
 }
 
 /// Materials with emission that light nothing, in a scene without another light.

@@ -60,3 +60,8 @@ pub fn number(node: &Node) -> Option<f64> {
 pub fn rounded(x: f64) -> f64 {
     (x * 1e3).round() / 1e3 + 0.0
 }
+
+/// A number with two significant digits.
+pub fn two_digits(x: f32) -> f64 {
+    format!("{x:.1e}").parse().unwrap_or_default()
+}

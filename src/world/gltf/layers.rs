@@ -137,6 +137,22 @@ fn number(
     Ok(Vec3::splat(if is_angle { x.to_degrees() } else { x }))
 }
 
+/// Warns of scattering inside of a solid that has no effect.
+pub fn note_idle_scattering(material: &Material, place: &str, notes: &mut Notes) {
+    let what = if !material.solid {
+        "materials have the extension \"KHR_materials_volume_scatter\", which is ignored without a thicknessFactor above 0"
+    } else if material.attenuation_distance_m.is_none() || material.attenuation_color == Vec3::ONE {
+        "materials have the extension \"KHR_materials_volume_scatter\", which is ignored without an attenuationDistance \
+         and an attenuationColor below white"
+    } else {
+        "materials have the extension \"KHR_materials_volume_scatter\", which is ignored where no light enters, by \
+         \"KHR_materials_diffuse_transmission\" or \"KHR_materials_transmission\""
+    };
+    let is_idle = !material.scatters() || material.extinction() == Vec3::ZERO;
+    let count = u64::from(is_idle && material.scattering_color.is_some());
+    notes.add("extension-ignored", count, what, place);
+}
+
 /// Warns of a clear coat whose normal map has other texture coordinates than the material's, as vertices have only
 /// one tangent each.
 pub fn note_shared_tangents(material: &Material, place: &str, notes: &mut Notes) {

@@ -120,6 +120,7 @@ fn convert(
     out.is_mesh_light = (material.extras.get(MESH_LIGHT)).is_some_and(serde_json::Value::is_object);
     out.light = out.is_mesh_light;
     out.blended = material.alpha_mode.as_deref() == Some("BLEND");
+    layers::note_idle_scattering(&out, place, notes);
     if let Some(gloss) = &material.extensions.specular_glossiness {
         specular_glossiness::convert(gloss, &mut out, textures, index, &mut numbers)?;
     }
