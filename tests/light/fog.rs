@@ -179,7 +179,7 @@ const FURNACE: &str = include_str!("fog/furnace.toml");
 #[test]
 fn white_fog_in_even_light_cannot_be_seen() {
     let Some(gpu) = gpu() else { return };
-    for method in first_or_all(&["hybrid", "rt"], 1) {
+    for method in first_or_all(&["rt", "hybrid"], 1) {
         let method = format!("reflection.method={method}");
         let picture = render(gpu, FURNACE, &[&method], &[]);
         for (x, y) in (0..16).flat_map(|y| (0..24).map(move |x| (x, y))) {

@@ -40,7 +40,7 @@ fn shadows_have_what_a_straight_ray_through_a_surface_passes() {
     let panes = cases(PANES);
     let is_whole = |(keys, _): &&(&str, &str)| !keys.contains("cutoff");
     let whole: Vec<_> = panes.iter().filter(is_whole).copied().collect();
-    for (i, (light, methods)) in cases(LIGHTS).into_iter().enumerate() {
+    for (i, &(light, methods)) in first_or_all(&cases(LIGHTS), 2).iter().enumerate() {
         // The first light is seen by all methods, each other light daily by its first method.
         let methods: Vec<_> = methods.split(' ').collect();
         for &method in first_or_all(&methods, if i == 0 { methods.len() } else { 1 }) {

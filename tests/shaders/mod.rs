@@ -26,6 +26,7 @@ use reflet::render::{
 mod parts;
 mod tint;
 
+use crate::common::sampled;
 use tint::{Source, sources};
 
 /// Variant with these features and the features that follow from them.
@@ -74,7 +75,8 @@ impl Shader {
         };
         Ok(Self {
             used: UsedTextures::new(&module, &module),
-            parts: sets.into_iter().map(part).collect::<Result<_, _>>()?,
+            // Each of them is a part of a text that is validated as a whole.
+            parts: sampled(Vec::from_iter(sets), 3).into_iter().map(part).collect::<Result<_, _>>()?,
             info,
         })
     }
