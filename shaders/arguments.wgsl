@@ -8,15 +8,17 @@
 
 const GROUPS_PER_ROW: u32 = 32768u;
 
-fn groups_for(count: u32) -> vec4u {
-    let groups = (count + RAYS_PER_GROUP - 1u) / RAYS_PER_GROUP;
+fn groups_for(counter: u32) -> u32 {
+    return (counters[counter] + RAYS_PER_GROUP - 1u) / RAYS_PER_GROUP;
+}
+
+fn in_rows(groups: u32) -> vec4u {
     return vec4u(min(groups, GROUPS_PER_ROW), (groups + GROUPS_PER_ROW - 1u) / GROUPS_PER_ROW, 1u, 0u);
 }
 
 @compute @workgroup_size(1)
 fn main() {
-    arguments[REFLECTORS_LIST] = groups_for(counters[REFLECTOR_COUNTER]);
-    arguments[RAYS_LIST] = groups_for(counters[RAY_COUNTER]);
-    arguments[HITS_LIST] = groups_for(counters[HIT_COUNTER]);
-    arguments[TRANSMISSIVE_LIST] = groups_for(counters[TRANSMISSIVE_COUNTER]);
+    arguments[REFLECTORS_LIST] = in_rows(groups_for(REFLECTOR_COUNTER));
+    arguments[RAYS_LIST] = in_rows(groups_for(RAY_COUNTER) + groups_for(HIT_COUNTER));
+    arguments[TRANSMISSIVE_LIST] = in_rows(groups_for(TRANSMISSIVE_COUNTER));
 }

@@ -5,7 +5,7 @@
 #import hash
 #import lists
 
-@group(2) @binding(5) var hit: texture_2d<u32>;
+@group(2) @binding(5) var hit: texture_2d_array<u32>;
 // The maximum number of rays is not a parameter: llvmpipe 22.3 crashes on conditions that depend only on values of a
 // fourth uniform block (Mesa's lvp_inline_uniforms.c writes past its table).
 @group(2) @binding(6) var<uniform> params: Params;
@@ -28,7 +28,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let rays = min(AUDIT_RAYS, hits);
     if (id.x >= rays) { return; }
     let pixel = unpack_pixel(lists[hit_slot(drawn(id.x, rays, hits))]);
-    let found = textureLoad(hit, pixel, 0);
+    let found = vec2u(textureLoad(hit, pixel, 0, 0).x, textureLoad(hit, pixel, 1, 0).x);
     if (HAS_FOG && found.y == NONE) { return; } // a ray past all surfaces, listed for its fog
     let first = load_surface(pixel);
     let ray = reflected_ray(pixel, first);

@@ -12,7 +12,7 @@
 @group(2) @binding(9) var fog_light: texture_2d<f32>; // w: transmittance
 @group(2) @binding(10) var indirect_light: texture_2d<f32>;
 @group(2) @binding(11) var cause: texture_2d<u32>;
-@group(2) @binding(12) var hit: texture_2d<u32>;
+@group(2) @binding(12) var hit: texture_2d_array<u32>;
 @group(2) @binding(13) var previous: texture_2d<f32>;
 @group(2) @binding(14) var color: texture_storage_2d<rgba32float, write>; // w: sum of display color shares
 @group(2) @binding(15) var<uniform> params: Params;
@@ -20,7 +20,7 @@
 // The paper's attenuation: a reflection fades into the environment towards the maximum ray length.
 fn faded(pixel: vec2u, direction: vec3f, found: vec3f) -> vec3f {
     if (frame.fade == 0u) { return found; }
-    let at = textureLoad(hit, pixel, 0);
+    let at = vec2u(textureLoad(hit, pixel, 0, 0).x, textureLoad(hit, pixel, 1, 0).x);
     if (at.y == NONE) { return found; }
     let rest = saturate(1.0 - bitcast<f32>(at.x) / frame.ray_length_m);
     return mix(environment(direction), found, rest);

@@ -9,7 +9,7 @@
 #import taps
 
 @group(2) @binding(5) var cause: texture_2d<u32>;
-@group(2) @binding(6) var hit: texture_2d<u32>;
+@group(2) @binding(6) var hit: texture_2d_array<u32>;
 @group(2) @binding(7) var source: texture_2d<f32>; // w in the first step: 0 where the facet mirrors the view into the surface
 @group(2) @binding(8) var blurred: RadianceTexture;
 @group(2) @binding(9) var<uniform> params: Params;
@@ -25,7 +25,7 @@ fn mean_hit_m(pixel: vec2i, farthest_m: f32) -> f32 {
     for (var k = 0; k < 9; k += step) {
         let at = pixel_of_moment(pixel + vec2i(k % 3 - 1, k / 3 - 1) * 2);
         if (!inside(at) || !reflects(textureLoad(cause, at, 0).x) || textureLoad(source, at, 0).w == 0.0) { continue; }
-        let found = textureLoad(hit, at, 0).xy;
+        let found = vec2u(textureLoad(hit, at, 0, 0).x, textureLoad(hit, at, 1, 0).x);
         sum += select(min(bitcast<f32>(found.x), farthest_m), farthest_m, found.y == NONE);
         count += 1.0;
     }

@@ -6,7 +6,7 @@
 #import guides_params
 
 @group(2) @binding(5) var cause: texture_2d<u32>;
-@group(2) @binding(6) var hit: texture_2d<u32>;
+@group(2) @binding(6) var hit: texture_2d_array<u32>;
 @group(2) @binding(7) var guides: texture_storage_2d_array<r32float, read_write>; // red, green, blue; x, y, z
 @group(2) @binding(8) var<uniform> params: Params;
 
@@ -14,7 +14,7 @@
 // by the share that they reflect.
 fn color_of(pixel: vec2u, s: Surface) -> vec3f {
     if (!HAS_REFLECTIONS || s.roughness >= SHARP_ROUGHNESS || !reflects(textureLoad(cause, pixel, 0).x)) { return s.base_color + s.emission; }
-    let instance = textureLoad(hit, pixel, 0).y;
+    let instance = textureLoad(hit, pixel, 1, 0).x;
     var seen = vec3f(1.0);
     if (instance != NONE) {
         let m = instance_material(instance);

@@ -7,6 +7,7 @@
 #import gbuffer
 #import lists
 #import id_intersection
+#import mirror_hit
 #import pixel_walk
 #import radiance
 #import screen_ray
@@ -22,7 +23,6 @@ override REFUSE: bool = true; // false: accept every crossing, to measure what r
 @group(2) @binding(0) var ids: texture_2d<u32>;
 @group(2) @binding(6) var reflection: RadianceTexture;
 @group(2) @binding(7) var cause: texture_storage_2d<r32uint, write>;
-@group(2) @binding(8) var hit: texture_storage_2d<rgba32uint, write>;
 @group(2) @binding(9) var<uniform> params: Params;
 @group(2) @binding(10) var counts: texture_storage_2d<rgba32uint, write>; // with COUNT
 
@@ -246,21 +246,17 @@ var<workgroup> first_refused: u32;
 fn reflect_pixel(pixel: vec2u) -> u32 {
     let s = load_surface(pixel);
     let ray = reflected_ray(pixel, s);
-    if (!carries_light(ray)) {
-        textureStore(hit, pixel, vec4u(0u, NONE, NONE, 0u));
-        textureStore(cause, pixel, vec4u(CAUSE_NONE, 0u, 0u, 0u));
-        textureStore(reflection, pixel, vec4f(0.0));
-        return CAUSE_NONE;
-    }
-    let direction = ray.direction;
-    let m = march(s, direction);
+    var m = ended(CAUSE_NONE);
+    let is_lit = carries_light(ray);
+    if (is_lit) { m = march(s, ray.direction); }
     let is_hit = is_screen_hit(m.cause);
     var found = vec4u(0u, NONE, NONE, 0u);
     if (is_hit) { found = vec4u(bitcast<u32>(m.distance_m), m.id, pack2x16unorm(m.bary)); }
-    textureStore(hit, pixel, found);
+    store_hit(pixel, found);
     textureStore(cause, pixel, vec4u(pack_cause(m.cause, select(m.distance_m, 0.0, is_hit)), 0u, 0u, 0u));
     if (!HAS_FOG && m.cause == CAUSE_NONE) {
-        textureStore(reflection, pixel, stored(smoothable(s, ray, seen_at_end(s.position, ray, NONE, FAR_M).radiance)));
+        let seen = smoothable(s, ray, seen_at_end(s.position, ray, NONE, FAR_M).radiance);
+        textureStore(reflection, pixel, stored(select(vec4f(0.0), seen, is_lit)));
     } else if (!TRACE && !is_hit) {
         textureStore(reflection, pixel, vec4f(0.0, 0.0, 0.0, 1.0));
     }

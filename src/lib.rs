@@ -67,12 +67,11 @@
 //!    or plane that the ray is shown to meet, `accept_by_threshold` a crossing by the paper's rule. Hits are
 //!    listed, and so are the rays to trace, with the distance proven free where the ray left the
 //!    picture. **Arguments** sizes the dispatches over lists.
-//! 7. **Hits** shades the accepted hits at the point where the ray meets the surface, with the ray's footprint.
-//! 8. With `reflection.rate` above 1 **trace_sparse** traces one of several rays, and between leaders whose hits agree
+//! 7. With `reflection.rate` above 1 **trace_sparse** traces one of several rays, and between leaders whose hits agree
 //!    **upsample** reuses their hits. **Trace** follows the listed rays through the static tree and the top level over instances,
-//!    bounce by bounce. With `reflection.trace = "query"` the device's ray queries find candidates in the structures of
+//!    bounce by bounce, and shades accepted hits at the point where the ray meets the surface, with the ray's footprint. With `reflection.trace = "query"` the device's ray queries find candidates in the structures of
 //!    [`render::upload::structures`], for these and all other rays; our own tests choose among them.
-//! 9. **Filter** (rough reflections, below 256 sub-frames), **blur** (if asked for), **compose** (only the
+//! 8. **Filter** (rough reflections, below 256 sub-frames), **blur** (if asked for), **compose** (only the
 //!    mirror term is replaced, and transmitted light is added), **guides** (where a picture is denoised), **tone**.
 //!
 //! Settings that a scene leaves to `auto` (method, visibility, shadows, exposure) are decided before a renderer is
@@ -87,7 +86,7 @@
 //! probability in proportion to the light that it returns.
 //! [`render::pipeline::shader_variant`] keeps that code out of shaders whose scene needs none of it.
 //!
-//! Method `rt` lists every reflective pixel as a ray and has no passes 5 to 7; `ssr` is `hybrid` with
+//! Method `rt` lists every reflective pixel as a ray and has no passes 5 and 6; `ssr` is `hybrid` with
 //! the paper's threshold and without the tracing. A frame depends on nothing but its scene, its
 //! settings and its camera, so any of them can be rendered alone.
 //!

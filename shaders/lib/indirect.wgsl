@@ -14,7 +14,7 @@
 
 const FREE_PATHS: u32 = 0u;
 const MIRROR_PATHS: u32 = 1u; // mirror rays of pixels, which may march through maps
-const HIT_PATHS: u32 = 2u; // mirror rays from their known first hits on, where light is scattered alone
+const HIT_PATHS: u32 = 2u; // mirror rays of pixels from known first hits on
 
 // Whether hits are shaded. false: the same rays are followed and their hits written, to measure how
 // much of the time traversal takes.
@@ -28,14 +28,15 @@ var<private> path_vertices: u32 = 0u;
 var<private> first_m: f32 = FAR_M; // length of the first ray that was followed, unless it was scattered in a solid
 var<private> free_start_m: f32 = 0.0; // length of the first ray that the march has found free
 var<private> first_hit: vec4u = vec4u(0u, NONE, NONE, 0u); // distance, instance and triangle, of MIRROR_PATHS
-var<private> known_hit: Hit; // first hit of HIT_PATHS
+var<private> is_known: bool = false; // whether the first hit is known; light is scattered alone there
+var<private> known_hit: Hit;
 // How the first ray of MIRROR_PATHS ended in a map; CAUSE_UNMARCHED where trees ended it.
 var<private> first_cause: u32 = CAUSE_UNMARCHED;
 
 // Number of hits after which the path ends: crossings, scatterings and known hits do not count as bounces.
 fn most_hits() -> u32 {
     let uncounted = select(0u, path_crossings + walk_scatterings, HAS_LAYERS) + select(0u, path_scatterings, HAS_INDIRECT);
-    return frame.bounces + uncounted + select(0u, 1u, PATHS == HIT_PATHS);
+    return frame.bounces + uncounted + u32(is_known);
 }
 
 // Prepares for a path after another one of the same invocation.
@@ -145,7 +146,7 @@ struct Start {
 
 // The nearest hit of a ray of a path, up to a distance.
 fn hit_of_path(origin: vec3f, direction: vec3f, most_m: f32, is_first: bool) -> Hit {
-    if (PATHS == HIT_PATHS && is_first) { return known_hit; }
+    if (is_known && is_first) { return known_hit; }
     if (PATHS != MIRROR_PATHS) { return trace_nearest(origin, direction, 0.0, most_m); }
     let h = closest_hit(origin, direction, select(0.0, free_start_m, is_first), min(reach_m(), most_m));
     if (is_first) { first_cause = map_cause; }
@@ -209,17 +210,17 @@ fn gathered_by_path(pixel: vec2u, vertex: u32, hits: u32, start: Start, first: C
         let lit_share = select(1.0, media.here.lit_share, is_scattered);
         if (SHADE && lit_share > 0.0) {
             var reused = vec2u(0u);
-            if (REUSES_LIGHT && (PATHS == MIRROR_PATHS || (PATHS == HIT_PATHS && k == 0u))) { reused = reused_visibility(s); }
+            if (REUSES_LIGHT && PATHS != FREE_PATHS) { reused = reused_visibility(s); }
             color += found_light(throughput * met_light(ray, s, reused) * lit_share, hits + k);
         }
-        if (PATHS == HIT_PATHS && !HAS_INDIRECT) { break; }
+        if (is_known && !HAS_INDIRECT) { break; }
         if (PATHS == FREE_PATHS && AIMS_THROUGH && first_way != ANY_WAY && !is_aimed_through(s)) {
             if (first_way == BACK) { break; }
             first_way = ANY_WAY;
         }
         if (!is_scattered && !continues(s)) { break; }
         uncovered *= 1.0 - coverage(s);
-        if (is_scattered) { ray = scattered_within(s, throughput); } else { ray = next_ray(ray, s, PATHS == HIT_PATHS && k == 0u); }
+        if (is_scattered) { ray = scattered_within(s, throughput); } else { ray = next_ray(ray, s, is_known && k == 0u); }
         throughput *= ray.weight;
         is_straight = is_straight && s.transmission <= 0.0 && dot(ray.direction, start.ray.direction) > 0.99999;
         // A transmitted ray keeps its cone; a mirrored one has its cone widened by the curvature.

@@ -56,7 +56,7 @@ pub struct Costs {
     pub march_ms: f64,
     /// Time to trace every marchable pixel, milliseconds.
     pub full_trace_ms: f64,
-    /// Time to trace the rays that `hybrid` leaves after marching, milliseconds.
+    /// Time to trace the rays that `hybrid` leaves after marching, and to shade its hits, milliseconds.
     pub partial_trace_ms: f64,
     /// Number of rays of `hybrid`.
     pub partial_rays: f64,
@@ -68,7 +68,7 @@ pub struct Costs {
 /// Under 0 it never pays, over 1 always. None where `rt` traces nothing.
 ///
 /// `hybrid` costs march + share · rays · cost per ray, `rt` its full trace; a ray of `hybrid` may
-/// cost more than one of `rt`, since its remaining rays are scattered.
+/// cost more than one of `rt`, since its remaining rays are scattered and hits are shaded beside them.
 pub fn break_even_share(costs: &Costs) -> Option<f64> {
     if costs.full_rays <= 0.0 || costs.full_trace_ms <= 0.0 {
         return None;

@@ -98,7 +98,7 @@ fn a_picture_is_written_with_its_aovs_and_statistics() {
     let passes: Vec<&str> = (stats["counts"].as_array().into_iter().flatten())
         .filter_map(|counts| counts["pass"].as_str())
         .collect();
-    assert_eq!(passes, ["light", "ssr", "hits", "trace"]);
+    assert_eq!(passes, ["light", "ssr", "trace"]);
     assert!(
         stats["counts"][1]["march_steps"].as_u64() > Some(0),
         "{out}"

@@ -163,7 +163,7 @@ fn counts_repeat_and_hybrid_visits_no_more_than_rt() {
     };
     let [ssr, hybrid, rt] = ["ssr", "hybrid", "rt"].map(of_method);
     let names = |counts: &[PassCounts]| counts.iter().map(|c| c.pass).collect::<Vec<_>>();
-    assert_eq!(names(&ssr), ["light", "ssr", "hits"]);
+    assert_eq!(names(&ssr), ["light", "ssr", "trace"]);
     assert_eq!(names(&rt), ["light", "trace"]);
     assert_eq!(
         counts_of(&ssr, "ssr"),

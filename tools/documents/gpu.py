@@ -15,7 +15,7 @@ from documents.document import DATA, Document, Run, folder_of, in_places, sample
 SIZES = ("1280 × 720", "1920 × 1080", "3840 × 2160")
 # Cards and sizes of the table of times; the table of passes is of the last.
 CASES = (("H100", SIZES[0]), ("H100", SIZES[1]), ("H200", SIZES[1]))
-PASSES = ("primary", "ssr", "hits", "trace")
+PASSES = ("primary", "ssr", "hits", "trace")  # hits are shaded in trace now
 COLUMNS = [
     *["view", "size", "method", "edge_px", "reflection_ms", "ratio"],
     *(f"pass_{name}_ms" for name in PASSES),
@@ -47,7 +47,7 @@ def settings_of(rows: Rows) -> Rows:
     def of(frames: Rows) -> Row:
         ratios = [float(row["reflection_ms"]) / rt[row["repetition"]] for row in frames]
         timed = [column for column in COLUMNS if column.endswith("_ms")]
-        least = {name: f"{min(float(row[name] or 0) for row in frames):.4f}" for name in timed}
+        least = {name: f"{min(float(row.get(name) or 0) for row in frames):.4f}" for name in timed}
         return frames[0] | least | {"ratio": f"{statistics.median(ratios):.3f}"}
 
     kinds = by(rows, "method").values()
@@ -106,7 +106,7 @@ def store(outs: list[pathlib.Path]) -> None:
                 if (out / folder_of(part(view, size))).exists():
                     measured = settings_of(samples(out, part(view, size)))
                     rows += [row | {"view": view, "size": size} for row in measured]
-    write_rows(DATA / "gpu.csv", [{column: row[column] for column in COLUMNS} for row in rows])
+    write_rows(DATA / "gpu.csv", [{c: row.get(c, "") for c in COLUMNS} for row in rows])
 
 
 DOCUMENT = Document("gpu.md", in_places(tables), store, measure)

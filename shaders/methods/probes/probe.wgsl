@@ -2,13 +2,13 @@
 
 #import gbuffer
 #import lists
+#import mirror_hit
 #import probe_lookup
 #import probe_panes
 #import probe_params
 #import radiance
 
 @group(2) @binding(5) var reflection: RadianceTexture;
-@group(2) @binding(6) var hit: texture_storage_2d<rgba32uint, write>;
 @group(2) @binding(7) var<uniform> params: Params;
 @group(2) @binding(0) var ids: texture_2d<u32>;
 
@@ -71,7 +71,7 @@ fn look_up(pixel: vec2u) {
     let s = load_surface(pixel);
     let ray = reflected_ray(pixel, s);
     if (!carries_light(ray)) {
-        textureStore(hit, pixel, vec4u(0u, NONE, NONE, 0u));
+        store_hit(pixel, vec4u(0u, NONE, NONE, 0u));
         textureStore(reflection, pixel, vec4f(0.0));
         return;
     }
@@ -93,7 +93,7 @@ fn look_up(pixel: vec2u) {
     let lamp = seen_light(s.position, ray, reach_m);
     if (lamp.is_seen) { light = lamp.radiance; }
     textureStore(reflection, pixel, stored(smoothable(s, ray, light)));
-    textureStore(hit, pixel, found);
+    store_hit(pixel, found);
 }
 
 @compute @workgroup_size(RAYS_PER_GROUP)

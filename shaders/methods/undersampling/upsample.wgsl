@@ -7,12 +7,12 @@
 #import leaders
 #import lists
 #import id_intersection
+#import mirror_hit
 #import mirrored
 #import radiance
 #import upsample_params
 
 @group(2) @binding(6) var reflection: RadianceTexture;
-@group(2) @binding(8) var hit: texture_storage_2d<rgba32uint, write>;
 @group(2) @binding(9) var counts: texture_storage_2d<rgba32uint, write>; // with COUNT
 @group(2) @binding(11) var lead_hit: texture_2d<u32>;
 @group(2) @binding(12) var<uniform> params: Params;
@@ -104,7 +104,7 @@ fn follow_neighbors(pixel: vec2u) -> bool {
     let origin = ray_origin(first.position, first.geometric_normal);
     if (around.instance == NONE) {
         keep_cause(pixel, around.cause);
-        textureStore(hit, pixel, vec4u(0u, NONE, NONE, 0u));
+        store_hit(pixel, vec4u(0u, NONE, NONE, 0u));
         textureStore(reflection, pixel, stored(vec4f(seen_at_end(origin, ray, NONE, FAR_M).radiance, 1.0)));
         return true;
     }
@@ -114,9 +114,10 @@ fn follow_neighbors(pixel: vec2u) -> bool {
     let cone = continued(mirrored_cone(pixel_cone(distance(first.position, frame.eye)), first.curvature), met.distance_m);
     if (goes_on(surface_at(id.x, id.y, met.bary, ray.direction, cone.width_m))) { return false; } // shading looks it up again
     keep_cause(pixel, around.cause);
+    is_known = true;
     known_hit = Hit(met.distance_m, id.x, id.y, met.bary, 0u);
     textureStore(reflection, pixel, stored(mirrored_light(pixel, first, ray, first.position)));
-    textureStore(hit, pixel, vec4u(bitcast<u32>(met.distance_m), id, 0u));
+    store_hit(pixel, vec4u(bitcast<u32>(met.distance_m), id, 0u));
     if (exhausted_rays > 0u) { atomicAdd(&counters[EXHAUSTED_COUNTER], exhausted_rays); }
     return true;
 }

@@ -186,8 +186,8 @@ fn break_even(points: &[&Point], masked: bool) -> Option<String> {
     let share = break_even_share(&costs)?;
     let actual = 100.0 * costs.partial_rays / costs.full_rays;
     let measured = format!(
-        "{} marches for {} ms and traces {actual:.1} % of rt's rays in {} ms; rt traces all in {} \
-         ms; {}",
+        "{} marches for {} ms, traces {actual:.1} % of rt's rays and shades its hits in {} ms; rt \
+         traces all in {} ms; {}",
         hybrid.label(),
         digits(costs.march_ms),
         digits(costs.partial_trace_ms),

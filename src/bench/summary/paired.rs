@@ -18,7 +18,7 @@ pub struct Timed {
     pub ms: f64,
     /// Milliseconds of marching and listing rays.
     pub march_ms: f64,
-    /// Milliseconds of tracing.
+    /// Milliseconds of tracing and of shading hits.
     pub trace_ms: f64,
     /// Number of traced rays.
     pub rays: f64,

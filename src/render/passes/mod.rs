@@ -10,7 +10,6 @@ pub mod details;
 pub mod filter;
 pub mod fog;
 pub mod guides;
-pub mod hits;
 pub mod indirect;
 pub mod light;
 pub mod primary;
@@ -39,7 +38,7 @@ use super::{
         pass::{ComputePass, Dispatch, Pass, PassGroup},
         pass_builder::PassBuilder,
         pass_targets::PassTargets,
-        ray_list::{List, PYRAMID_LEVELS},
+        ray_list::PYRAMID_LEVELS,
         shader_variant::ShaderVariant,
         shared_data::SharedData,
         sub_frame::SubFrame,
@@ -78,9 +77,8 @@ fn rows() -> Vec<FrameRow> {
     rows.extend([
         FrameRow::over(&pyramid::PASS, Dispatch::Tiles(1 << PYRAMID_LEVELS)),
         FrameRow::compute(&ssr::PASS, ssr::record),
-        // For the lists of hits and rays.
+        // For the list of hits and rays.
         FrameRow::over(&arguments::PASS, Dispatch::Groups(1)),
-        FrameRow::over(&hits::PASS, Dispatch::Listed(List::Hits)),
     ]);
     rows.extend(passes_at(Place::Undersample));
     rows.push(FrameRow::compute(&trace::PASS, trace::record));

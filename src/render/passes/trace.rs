@@ -1,6 +1,9 @@
-//! Trace: follows the mirror rays of the listed pixels through the BVHs, bounce by bounce.
+//! Trace: follows the mirror rays of the listed pixels through the BVHs, bounce by bounce, and shades the screen hits
+//! of the march.
 
 use crate::{pipeline::prelude::*, settings::options::RenderOptions};
+
+use super::ssr;
 
 /// See `shaders/trace.wgsl`.
 pub const PASS: Pass = Pass {
@@ -9,13 +12,22 @@ pub const PASS: Pass = Pass {
     color: [231, 76, 116],
     reads_shared: &[Counters, ShadowMaps, PixelLists, DispatchSizes, MethodMaps],
     writes_shared: &[Counters],
-    needed: |plan, options| plan.features.reflections && is_enabled(options),
+    needed: |plan, options| {
+        plan.features.reflections && (ssr::is_enabled(options) || is_enabled(options))
+    },
+    overrides: |options| {
+        let flag = |on: bool| f64::from(u8::from(on));
+        vec![
+            ("MARCH", flag(ssr::is_enabled(options))),
+            ("TRACE", flag(is_enabled(options))),
+        ]
+    },
     checks: Checks::TrustedBuiltin,
     counted: true,
     ..Pass::DEFAULT
 };
 
-/// Whether the method traces the rays that the march cannot answer.
+/// Whether the method traces rays, which the march cannot answer where it marches.
 pub fn is_enabled(options: &RenderOptions) -> bool {
     options.reflection.method.traces()
 }

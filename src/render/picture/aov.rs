@@ -1,6 +1,6 @@
 //! AOVs: quantities of the frame as image planes, decoded from the intermediate textures.
 
-use std::borrow::Cow;
+use std::{array, borrow::Cow};
 
 use glam::{DVec2, Vec2, Vec3};
 
@@ -12,7 +12,7 @@ use crate::{
     layout::{types::NONE, unit_vector::unpack_unit},
     pipeline::{
         cause::Cause,
-        targets::{FAR_M, Target},
+        targets::{FAR_M, HIT_LAYERS, Target},
     },
     renderer::{Renderer, download::TargetValues},
 };
@@ -310,8 +310,11 @@ fn reflectance(
 }
 
 /// Hits of the mirror rays; no hit where the frame has no reflections.
-fn hits(values: &TargetValues) -> Vec<[u32; 4]> {
-    let mut hits: Vec<[u32; 4]> = values.texels(Target::Hit);
+fn hits(values: &TargetValues) -> Vec<[u32; HIT_LAYERS]> {
+    let layers: Vec<u32> = values.texels(Target::Hit);
+    let pixels = layers.len() / HIT_LAYERS;
+    let hit = |pixel: usize| array::from_fn(|layer| layers[layer * pixels + pixel]);
+    let mut hits: Vec<[u32; HIT_LAYERS]> = (0..pixels).map(hit).collect();
     for (hit, cause) in hits.iter_mut().zip(causes(values)) {
         if !values.reflections || !reflects(cause) {
             *hit = [0, NONE, NONE, 0];

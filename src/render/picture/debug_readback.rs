@@ -86,7 +86,7 @@ impl Renderer {
     /// # Errors
     /// A readback error.
     pub fn ray_list(&self, gpu: &Gpu) -> Result<Option<Vec<[u32; 2]>>, GpuError> {
-        if !self.bindings.passes.records(&trace::PASS) {
+        if !self.bindings.passes.records(&trace::PASS) || !trace::is_enabled(&self.options) {
             return Ok(None);
         }
         let counters: Vec<u32> = read_buffer(gpu, &self.bindings.ray_list.counters)?;

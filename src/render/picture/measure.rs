@@ -141,7 +141,9 @@ impl Renderer {
         let variant = |pass, of, constant| builder.variant(pass, of, (constant, 0.0), &[]);
         match instrument {
             Instrument::Count => set_once(&built.counted, || counted(&builder)),
-            Instrument::Traverse if builder.needs(&trace::PASS) => {
+            Instrument::Traverse
+                if builder.needs(&trace::PASS) && trace::is_enabled(&self.options) =>
+            {
                 set_once(&built.traverse, || {
                     variant(&trace::TRAVERSE, &trace::PASS, "SHADE")
                 })

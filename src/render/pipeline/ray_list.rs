@@ -44,17 +44,15 @@ const _: () = assert!(Cause::ALL.len() <= LEADER_COUNTER);
 pub enum List {
     /// Reflective pixels.
     Reflectors = 0,
-    /// Rays that are traced.
+    /// Rays that are traced, and screen hits that are shaded, in workgroups of their own after these.
     Rays = 1,
-    /// Screen hits that are shaded.
-    Hits = 2,
     /// Transmissive pixels.
-    Transmissive = 3,
+    Transmissive = 2,
 }
 
 impl List {
     /// All lists, in the order of their arguments.
-    pub const ALL: [Self; LISTS] = [Self::Reflectors, Self::Rays, Self::Hits, Self::Transmissive];
+    pub const ALL: [Self; LISTS] = [Self::Reflectors, Self::Rays, Self::Transmissive];
 
     /// Offset of the list's workgroup count in the dispatch arguments, bytes.
     pub const fn arguments_offset(self) -> u64 {
@@ -63,7 +61,7 @@ impl List {
 }
 
 /// Number of lists.
-pub const LISTS: usize = 4;
+pub const LISTS: usize = 3;
 /// Size of the arguments of an indirect dispatch, padded, bytes.
 const ARGUMENT_BYTES: u64 = 16;
 

@@ -82,8 +82,9 @@ targets! {
     FogLight = "fog_light": Radiance;
     /// Cause in the low byte; see [`super::cause::Cause`]. Bits above: length of the ray proven free.
     Cause = "cause": R32Uint;
-    /// Hit of the mirror ray: distance (bits of an f32), instance, triangle and barycentrics.
-    Hit = "hit": Rgba32Uint;
+    /// Hit of the mirror ray, in layers, since a pass can both read and write numbers of 32 bits alone: distance (bits of
+    /// an f32), instance, triangle and barycentrics.
+    Hit = "hit": R32Uint;
     /// Hits of the rays that are traced first, where only some are.
     LeadHit = "lead_hit": Rgba32Uint, cleared;
     /// Sum of the sub-frames, after even ones.
@@ -101,6 +102,9 @@ targets! {
 
 /// Number of guides of a pixel: three of its color, three of its normal.
 pub const GUIDES: usize = 6;
+
+/// Number of layers of a hit.
+pub const HIT_LAYERS: usize = 4;
 
 /// View depth of pixels that show no surface, meters.
 pub const FAR_M: f32 = 1e30;
@@ -123,6 +127,7 @@ impl Target {
         match self {
             Self::Details => detail_layers,
             Self::Guides => GUIDES as u32,
+            Self::Hit => HIT_LAYERS as u32,
             _ => 1,
         }
     }

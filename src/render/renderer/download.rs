@@ -53,7 +53,7 @@ impl TargetValues {
             return readback::values(bytes);
         }
         let pixels = u64::from(self.size[0]) * u64::from(self.size[1]);
-        let bytes = target.pixel_bytes(self.precision.full) * pixels;
+        let bytes = target.pixel_bytes(self.precision.full) * u64::from(target.layers(1)) * pixels;
         vec![T::zeroed(); bytes as usize / size_of::<T>()]
     }
 }

@@ -288,8 +288,11 @@ impl FrameStats {
             && (self.passes_total_ms() - self.frame_ms).abs() > 0.1 * self.frame_ms
     }
 
-    /// Rays per second of the trace pass, if it was timed.
+    /// Rays per second of the trace pass, if it was timed and shades no hits of a march beside them.
     pub fn rays_per_s(&self) -> Option<f64> {
+        if self.method.marches() {
+            return None;
+        }
         let (_, ms) = self
             .passes_ms
             .iter()
