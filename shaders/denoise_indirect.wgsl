@@ -7,7 +7,7 @@
 #import denoise_indirect_params
 #import taps
 
-@group(2) @binding(5) var source: texture_2d<f32>; // see indirect.wgsl
+@group(2) @binding(5) var source: texture_2d<f32>; // see paths.wgsl
 @group(2) @binding(6) var denoised: RadianceTexture;
 @group(2) @binding(7) var<uniform> params: Params;
 

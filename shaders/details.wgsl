@@ -16,6 +16,9 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     if (hit.x != NONE) { s = pixel_surface(pixel, hit).surface; }
     textureStore(details, pixel, 0, textureLoad(colors, pixel, 0));
     textureStore(details, pixel, 1, pack_details(s));
-    if (HAS_FURTHER_DETAILS) { textureStore(details, pixel, 2, pack_further_details(s)); }
+    if (HAS_FURTHER_DETAILS) {
+        let shares = pack2x16unorm(vec2f(s.diffuse_roughness, s.coat_reflectivity));
+        textureStore(details, pixel, 2, vec4u(pack_unit(s.coat_normal), pack_unit(s.tangent), bitcast<u32>(s.anisotropy), shares));
+    }
     if (HAS_DIFFUSE_TRANSMISSION) { textureStore(details, pixel, 3, pack_diffuse_transmission(s)); }
 }

@@ -1,13 +1,12 @@
 // Light: view-independent radiance (emission, diffuse), stored apart from the specular of this view.
 
 #import gbuffer
-#import lists
 #import radiance
+#import work
 
 @group(2) @binding(5) var radiance: RadianceTexture; // w: 1 where it is a display color
 @group(2) @binding(6) var specular: RadianceTexture;
 @group(2) @binding(7) var visible_lights: texture_storage_2d<rg32uint, write>;
-@group(2) @binding(8) var counts: texture_storage_2d<rgba32uint, write>; // with COUNT
 
 @compute @workgroup_size(GROUP_PX, GROUP_PX)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_id) local: vec3u) {
@@ -29,6 +28,5 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: ve
     textureStore(radiance, pixel, stored(vec4f(lit.diffuse, unlit)));
     textureStore(specular, pixel, stored(vec4f(lit.specular, 1.0)));
     if (REUSES_LIGHT) { textureStore(visible_lights, pixel, vec4u(lit.visible, 0u, 0u)); }
-    if (exhausted_rays > 0u) { atomicAdd(&counters[EXHAUSTED_COUNTER], exhausted_rays); }
-    if (COUNT) { textureStore(counts, pixel, vec4u(0u, traversals, visited_nodes, tested_triangles)); }
+    store_work(pixel, 0u);
 }

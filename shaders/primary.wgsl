@@ -3,11 +3,10 @@
 
 #import bvh
 #import frame
-#import lists
 #import surface
+#import work
 
 @group(2) @binding(0) var ids: texture_storage_2d<rg32uint, write>;
-@group(2) @binding(1) var counts: texture_storage_2d<rgba32uint, write>; // with COUNT
 
 @compute @workgroup_size(GROUP_PX, GROUP_PX)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_id) local: vec3u) {
@@ -22,6 +21,5 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: ve
         lists[pyramid_slot(pyramid(), pixel, 0u)] = bitcast<u32>(select(0.0, screen_z(culled_t), is_culled));
     }
     textureStore(ids, pixel, vec4u(h.instance, select(h.triangle, NONE, h.instance == NONE), 0u, 0u));
-    if (exhausted_rays > 0u) { atomicAdd(&counters[EXHAUSTED_COUNTER], exhausted_rays); }
-    if (COUNT) { textureStore(counts, pixel, vec4u(0u, traversals, visited_nodes, tested_triangles)); }
+    store_work(pixel, 0u);
 }

@@ -131,11 +131,6 @@ fn accept_verified(r: ScreenRay, c: Candidate, origin: vec3f, direction: vec3f) 
     return m;
 }
 
-// Whether the ray crossed a surface that was not accepted as its hit.
-fn is_refusal(cause: u32) -> bool {
-    return cause == CAUSE_HIDDEN || cause == CAUSE_UNCONFIRMED || cause == CAUSE_BACK_FACE || cause == CAUSE_REFLECTOR;
-}
-
 fn march(s0: Surface, direction: vec3f) -> March {
     if (frame.has_edge_on != 0u) { return ended(CAUSE_EDGE_ON); }
     let origin = ray_origin(s0.position, s0.geometric_normal);
@@ -224,7 +219,9 @@ fn march(s0: Surface, direction: vec3f) -> March {
     if (m.cause == CAUSE_NOT_REFLECTIVE) { m.cause = CAUSE_STEPS; }
     // Cut-outs are opaque at the pixel's center, but perhaps not where the ray meets them.
     if (VERIFY && is_screen_hit(m.cause) && is_cutout(m.id.x) && !alpha_passes(m.id.x, m.id.y, m.bary)) { m.cause = CAUSE_UNCONFIRMED; }
-    if (!REFUSE && is_refusal(m.cause)) {
+    // Whether the ray crossed a surface that was not accepted as its hit.
+    let is_refused = m.cause == CAUSE_HIDDEN || m.cause == CAUSE_UNCONFIRMED || m.cause == CAUSE_BACK_FACE || m.cause == CAUSE_REFLECTOR;
+    if (!REFUSE && is_refused) {
         m.cause = CAUSE_HIT;
         m.distance_m = dot(load_surface(last.pixel).position - origin, direction);
     }
@@ -253,7 +250,7 @@ fn reflect_pixel(pixel: vec2u) -> u32 {
     var found = vec4u(0u, NONE, NONE, 0u);
     if (is_hit) { found = vec4u(bitcast<u32>(m.distance_m), m.id, pack2x16unorm(m.bary)); }
     store_hit(pixel, found);
-    textureStore(cause, pixel, vec4u(pack_cause(m.cause, select(m.distance_m, 0.0, is_hit)), 0u, 0u, 0u));
+    textureStore(cause, pixel, vec4u(m.cause | (bitcast<u32>(select(m.distance_m, 0.0, is_hit)) & ~CAUSE_MASK), 0u, 0u, 0u));
     if (!HAS_FOG && m.cause == CAUSE_NONE) {
         let seen = smoothable(s, ray, seen_at_end(s.position, ray, NONE, FAR_M).radiance);
         textureStore(reflection, pixel, stored(select(vec4f(0.0), seen, is_lit)));

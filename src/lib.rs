@@ -61,6 +61,7 @@
 //! 4. **Light** shades the surfaces that the camera sees: view-independent radiance, apart from the specular of
 //!    this view. **Transmit** follows rays through the surfaces that pixels show, where some transmit light. **Indirect**
 //!    finds light between matte surfaces (`diffuse_bounces`), which **denoise_indirect** smooths below 256 sub-frames.
+//!    These two and **trace** below are dispatches of one shader, `shaders/paths.wgsl`, which drivers compile once.
 //! 5. **Peel** rasterizes the second depth layer, where `reflection.layers` asks for it. **Pyramid** keeps the nearest depth of ever larger cells of pixels.
 //! 6. **SSR** walks the listed pixels' mirror rays through the pyramid, cell by cell, and decides what
 //!    each ray hits ([`render::pipeline::cause::Cause`]): `accept_verified` in `shaders/ssr.wgsl` accepts a triangle

@@ -49,13 +49,6 @@ fn scattered_density(cosine: f32) -> f32 {
     return max(cosine, 1e-6) / PI;
 }
 
-// Weight of a light sample on a diffuse surface; the rest is found by the ray that the surface scatters, if the path
-// may scatter once more. Near a lamp, light samples alone would be bright and rare.
-fn aimed_share(pdf: f32, cosine: f32) -> f32 {
-    if (path_scatterings >= frame.diffuse_bounces) { return 1.0; }
-    return balance(pdf, scattered_density(cosine));
-}
-
 // Whether the path has left a surface in a randomly chosen direction.
 var<private> path_is_chance: bool = false;
 
@@ -149,7 +142,8 @@ fn returned_of_lamp(s: Surface, view: vec3f, to: Receiver, l: LightSample, is_me
     var aimed = dimmed;
     var share = dimmed;
     if (is_met) {
-        aimed *= aimed_share(pdf, dot(s.normal, l.to_light));
+        // A ray that the surface scatters finds the rest. Near a lamp, light samples alone would be bright and rare.
+        if (path_scatterings < frame.diffuse_bounces) { aimed *= balance(pdf, scattered_density(dot(s.normal, l.to_light))); }
         if (to.is_rough) { share *= balance(pdf, lobe_density(s, view, l.to_light)); }
     }
     return returned(s, view, to, l, aimed, share);

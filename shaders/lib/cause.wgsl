@@ -20,11 +20,7 @@ fn reflects(bits: u32) -> bool {
     return ((REFLECTING_CAUSES >> (bits & CAUSE_MASK)) & 1u) != 0u;
 }
 
-// `free_m` is truncated to its upper 24 bits, so that the stored length is never longer.
-fn pack_cause(cause: u32, free_m: f32) -> u32 {
-    return cause | (bitcast<u32>(free_m) & ~CAUSE_MASK);
-}
-
+// Length in the upper 24 bits, which is truncated to them, so that it is never longer.
 fn free_m(bits: u32) -> f32 {
     return bitcast<f32>(bits & ~CAUSE_MASK);
 }

@@ -27,10 +27,6 @@ fn with_details(surface: Surface, bits: vec4u) -> Surface {
     return s;
 }
 
-fn pack_further_details(s: Surface) -> vec4u {
-    return vec4u(pack_unit(s.coat_normal), pack_unit(s.tangent), bitcast<u32>(s.anisotropy), pack2x16unorm(vec2f(s.diffuse_roughness, s.coat_reflectivity)));
-}
-
 fn with_further_details(surface: Surface, bits: vec4u) -> Surface {
     var s = surface;
     let rest = unpack2x16unorm(bits.w);

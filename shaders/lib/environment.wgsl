@@ -13,14 +13,9 @@ override HAS_PANORAMA: bool = true;
 @group(0) @binding(7) var panorama_squares: VectorTexels;
 @group(0) @binding(8) var panorama_sampler: sampler;
 
-fn into_panorama(direction: vec3f) -> vec3f {
-    let t = sampling.turn; // cosine and sine
+// A direction turned about the vertical by an angle with this cosine and sine; by `sampling.turn`, into the panorama.
+fn turned(direction: vec3f, t: vec2f) -> vec3f {
     return vec3f(direction.x * t.x - direction.z * t.y, direction.y, direction.x * t.y + direction.z * t.x);
-}
-
-fn out_of_panorama(direction: vec3f) -> vec3f {
-    let t = sampling.turn;
-    return vec3f(direction.x * t.x + direction.z * t.y, direction.y, direction.z * t.x - direction.x * t.y);
 }
 
 // Light of the gradient by the shares of the zenith and of the ground.
@@ -31,7 +26,7 @@ fn gradient(up: f32, down: f32) -> vec3f {
 // "Environment Maps" of OpenEXR: longitude 0 is +Z and in the center, growing to the left.
 fn environment(direction: vec3f) -> vec3f {
     if (!HAS_PANORAMA) { return gradient(saturate(direction.y), saturate(-direction.y)); }
-    let d = into_panorama(normalize(direction));
+    let d = turned(normalize(direction), sampling.turn);
     let is_pole = abs(d.x) + abs(d.z) < 1e-12;
     let longitude = atan2(select(d.x, 0.0, is_pole), select(d.z, 1.0, is_pole));
     let uv = vec2f(0.5 - longitude / (2.0 * PI), acos(clamp(d.y, -1.0, 1.0)) / PI);
@@ -102,16 +97,16 @@ fn square_weights(at: vec2u, edge: u32, normal: vec3f) -> vec4f {
 fn environment_share(normal: vec3f) -> f32 {
     if (!HAS_PANORAMA) { return 0.0; }
     let all = square_vector(0u, vec2u(0u), 1u);
-    let held = cone_light(all, into_panorama(normal));
+    let held = cone_light(all, turned(normal, sampling.turn));
     return held / max(held + 0.25 * (1.0 - length(all.xyz)), 1e-30);
 }
 
 // Density per solid angle with which `environment_direction` samples a unit direction, for a surface with this normal.
 fn environment_pdf(direction: vec3f, world_normal: vec3f) -> f32 {
     if (!HAS_PANORAMA) { return 0.0; }
-    let normal = into_panorama(world_normal);
+    let normal = turned(world_normal, sampling.turn);
     let finest = sampling.density_levels - 1u;
-    let place = square_of_direction(into_panorama(direction));
+    let place = square_of_direction(turned(direction, sampling.turn));
     let at = min(vec2u(place * f32(1u << finest)), vec2u((1u << finest) - 1u));
     var pdf = 1.0 / (4.0 * PI);
     let least = i32(sampling.density_levels - min(sampling.density_levels, CONE_LEVELS));
@@ -131,7 +126,7 @@ fn environment_pdf(direction: vec3f, world_normal: vec3f) -> f32 {
 fn environment_direction(u_in: vec2f, world_normal: vec3f) -> vec4f {
     if (!HAS_PANORAMA) { return vec4f(0.0, 1.0, 0.0, 0.0); }
     var pdf = 1.0 / (4.0 * PI);
-    let normal = into_panorama(world_normal);
+    let normal = turned(world_normal, sampling.turn);
     var u = u_in;
     var at = vec2u(0u);
     for (var level = 1u; level < sampling.density_levels; level++) {
@@ -150,5 +145,5 @@ fn environment_direction(u_in: vec2f, world_normal: vec3f) -> vec4f {
         u = clamp(u, vec2f(0.0), vec2f(1.0 - 6e-8));
     }
     let edge = f32(1u << (sampling.density_levels - 1u));
-    return vec4f(out_of_panorama(normalize(direction_of_square((vec2f(at) + u) / edge))), pdf);
+    return vec4f(turned(normalize(direction_of_square((vec2f(at) + u) / edge)), sampling.turn * vec2f(1.0, -1.0)), pdf);
 }

@@ -1,7 +1,8 @@
 // Paths, ray by ray; with diffuse interreflection they also continue in directions that diffuse surfaces scatter.
-// A pass says by PATHS which paths it follows.
+// A pass says by PATHS which paths it follows; ANY_PATHS are of both kinds.
 
 #import in_scattering
+#import cause
 #import closest_hit
 #import cone
 #import area_sampling
@@ -15,6 +16,9 @@
 const FREE_PATHS: u32 = 0u;
 const MIRROR_PATHS: u32 = 1u; // mirror rays of pixels, which may march through maps
 const HIT_PATHS: u32 = 2u; // mirror rays of pixels from known first hits on
+const ANY_PATHS: u32 = 3u;
+
+override MIRRORS: bool = true; // with ANY_PATHS: whether mirror rays are followed
 
 // Whether hits are shaded. false: the same rays are followed and their hits written, to measure how
 // much of the time traversal takes.
@@ -23,6 +27,7 @@ override SHADE: bool = true;
 const FIRST_ENDING: u32 = 4u; // number of vertices before Russian roulette starts
 const MOST_LIKELY: f32 = 0.95; // maximum survival probability
 
+var<private> is_mirror_path: bool = false; // with ANY_PATHS
 var<private> path_weight: vec3f = vec3f(1.0);
 var<private> path_vertices: u32 = 0u;
 var<private> first_m: f32 = FAR_M; // length of the first ray that was followed, unless it was scattered in a solid
@@ -32,6 +37,10 @@ var<private> is_known: bool = false; // whether the first hit is known; light is
 var<private> known_hit: Hit;
 // How the first ray of MIRROR_PATHS ended in a map; CAUSE_UNMARCHED where trees ended it.
 var<private> first_cause: u32 = CAUSE_UNMARCHED;
+
+fn is_mirrored() -> bool {
+    return PATHS == MIRROR_PATHS || PATHS == HIT_PATHS || (PATHS == ANY_PATHS && MIRRORS && is_mirror_path);
+}
 
 // Number of hits after which the path ends: crossings, scatterings and known hits do not count as bounces.
 fn most_hits() -> u32 {
@@ -147,8 +156,9 @@ struct Start {
 // The nearest hit of a ray of a path, up to a distance.
 fn hit_of_path(origin: vec3f, direction: vec3f, most_m: f32, is_first: bool) -> Hit {
     if (is_known && is_first) { return known_hit; }
-    if (PATHS != MIRROR_PATHS) { return trace_nearest(origin, direction, 0.0, most_m); }
-    let h = closest_hit(origin, direction, select(0.0, free_start_m, is_first), min(reach_m(), most_m));
+    if (PATHS == FREE_PATHS || PATHS == HIT_PATHS || (MAPPED && !is_mirrored())) { return trace_nearest(origin, direction, 0.0, most_m); }
+    let end_m = select(most_m, min(reach_m(), most_m), is_mirrored());
+    let h = closest_hit(origin, direction, select(0.0, free_start_m, is_first), end_m);
     if (is_first) { first_cause = map_cause; }
     return h;
 }
@@ -167,14 +177,14 @@ fn gathered_by_path(pixel: vec2u, vertex: u32, hits: u32, start: Start, first: C
     for (var k = 0u; k < most_hits(); k++) {
         if (max(throughput.x, max(throughput.y, throughput.z)) < frame.dimmest) { break; }
         start_samples(pixel, vertex + k);
-        let flight = free_flight(select(throughput, vec3f(0.0), PATHS != FREE_PATHS && k == 0u));
+        let flight = free_flight(select(throughput, vec3f(0.0), is_mirrored() && k == 0u));
         let h = hit_of_path(origin, ray.direction, flight.length_m, k == 0u);
         let end = seen_at_end(origin, ray, h.instance, h.t);
         let is_scattered = flight.length_m < end.distance_m;
         let way_m = min(flight.length_m, end.distance_m);
         throughput *= medium_transmittance(way_m) * flight_weight(flight, way_m, is_scattered);
         if (k == 0u && !is_scattered) { first_m = way_m; }
-        if (PATHS == MIRROR_PATHS && k == 0u && !end.is_seen) { first_hit = vec4u(bitcast<u32>(h.t), h.instance, h.triangle, 0u); }
+        if (is_mirrored() && k == 0u && !end.is_seen) { first_hit = vec4u(bitcast<u32>(h.t), h.instance, h.triangle, 0u); }
         if (HAS_FOG && SHADE) {
             let air = through_air(origin, ray, end.distance_m);
             color += found_light(throughput * air.light, hits + k);
@@ -210,11 +220,11 @@ fn gathered_by_path(pixel: vec2u, vertex: u32, hits: u32, start: Start, first: C
         let lit_share = select(1.0, media.here.lit_share, is_scattered);
         if (SHADE && lit_share > 0.0) {
             var reused = vec2u(0u);
-            if (REUSES_LIGHT && PATHS != FREE_PATHS) { reused = reused_visibility(s); }
+            if (REUSES_LIGHT && PATHS != FREE_PATHS && is_mirrored()) { reused = reused_visibility(s); }
             color += found_light(throughput * met_light(ray, s, reused) * lit_share, hits + k);
         }
         if (is_known && !HAS_INDIRECT) { break; }
-        if (PATHS == FREE_PATHS && AIMS_THROUGH && first_way != ANY_WAY && !is_aimed_through(s)) {
+        if (PATHS != MIRROR_PATHS && AIMS_THROUGH && first_way != ANY_WAY && !is_aimed_through(s)) {
             if (first_way == BACK) { break; }
             first_way = ANY_WAY;
         }
@@ -224,7 +234,7 @@ fn gathered_by_path(pixel: vec2u, vertex: u32, hits: u32, start: Start, first: C
         throughput *= ray.weight;
         is_straight = is_straight && s.transmission <= 0.0 && dot(ray.direction, start.ray.direction) > 0.99999;
         // A transmitted ray keeps its cone; a mirrored one has its cone widened by the curvature.
-        if (PATHS == MIRROR_PATHS && dot(ray.direction, s.geometric_normal) > 0.0) { cone = mirrored_cone(cone, s.curvature); }
+        if (is_mirrored() && dot(ray.direction, s.geometric_normal) > 0.0) { cone = mirrored_cone(cone, s.curvature); }
         origin = select(onward_origin(s, ray.direction), s.position, is_scattered);
     }
     return vec4f(color, 1.0);

@@ -32,7 +32,11 @@ const LARGE: u32 = 32;
 fn shown(gpu: &Gpu, (desc, world): &(SceneDesc, World), visibility: Visibility) -> Picture {
     let mut options = RenderOptions::for_scene(desc);
     // Whatever reads geometry is a part of `rt` too, which has fewer pipelines.
-    options.reflection.method = if is_long() { Method::Hybrid } else { Method::Rt };
+    options.reflection.method = if is_long() {
+        Method::Hybrid
+    } else {
+        Method::Rt
+    };
     options.image.visibility = visibility;
     let mut renderer = or_panic!(Renderer::new(gpu, &shaders(), world, &options));
     let camera = &world.cameras[0].value;

@@ -61,11 +61,15 @@ impl Shader {
         let module = parse(source)?;
         let info = check(source, &module, capabilities(OPTIONAL))?;
         let is_declared = |key: &str| info.overrides.iter().any(|o| o.name == key);
-        let of = |features: &Features| -> Vec<(&str, bool)> {
-            let flags = (features.constants()).filter(|(key, _)| is_declared(key));
-            flags.map(|(key, value)| (key, value != 0.0)).collect()
+        let of = |features: &Features, mirrors: bool| -> Vec<(&str, bool)> {
+            let flags = features.constants().map(|(key, value)| (key, value != 0.0));
+            let all = flags.chain([("MIRRORS", mirrors)]);
+            all.filter(|(key, _)| is_declared(key)).collect()
         };
-        let sets: BTreeSet<_> = variants.iter().map(of).collect();
+        let sets = variants
+            .iter()
+            .flat_map(|f| [true, false].map(|on| of(f, on)));
+        let sets: BTreeSet<_> = sets.collect();
         let part = |flags: Vec<(&str, bool)>| {
             let given = flags.into_iter();
             let given: Vec<_> = given
@@ -76,7 +80,10 @@ impl Shader {
         Ok(Self {
             used: UsedTextures::new(&module, &module),
             // Each of them is a part of a text that is validated as a whole.
-            parts: sampled(Vec::from_iter(sets), 3).into_iter().map(part).collect::<Result<_, _>>()?,
+            parts: sampled(Vec::from_iter(sets), 3)
+                .into_iter()
+                .map(part)
+                .collect::<Result<_, _>>()?,
             info,
         })
     }
@@ -227,7 +234,7 @@ fn shared_structs_have_the_same_layout_in_the_shaders() {
         assert!(found.count() > 0, "no shader uses {}", spec.name);
     }
     for pass in passes::ALL.iter() {
-        let shader = shipped().find(|s| s.name == pass.name);
+        let shader = shipped().find(|s| s.name == pass.shader());
         let shader = shader.unwrap_or_else(|| panic!("pass {} has no shader", pass.name));
         let has = |spec| compare(spec, shader);
         let is_same = pass.params.iter().chain(pass.structs).all(has);
@@ -239,7 +246,7 @@ fn shared_structs_have_the_same_layout_in_the_shaders() {
 fn targets(pass: &Pass) -> PassTargets {
     let texts = SHIPPED
         .iter()
-        .filter(|shader| shader.info.name == pass.name);
+        .filter(|shader| shader.info.name == pass.shader());
     let used = texts.map(|shader| PassTargets::new(pass, &shader.used));
     used.fold(PassTargets::default(), |mut all, used| {
         all.reads.extend(used.reads);
@@ -294,10 +301,11 @@ fn compute_passes_declare_the_shared_data_that_their_shaders_bind() {
         .iter()
         .filter(|pass| !draws.contains(&pass.name));
     for pass in computes {
-        let shaders = shipped().filter(|shader| shader.name == pass.name);
+        let shaders = shipped().filter(|shader| shader.name == pass.shader());
         let bound = shaders.flat_map(|shader| shader.bindings.iter().map(|b| b.name.as_str()));
         let bound: BTreeSet<_> = bound.filter(|name| known.contains(name)).collect();
-        let shared = pass.reads_shared.iter().chain(pass.writes_shared);
+        let users = passes::ALL.iter().filter(|p| p.shader() == pass.shader());
+        let shared = users.flat_map(|p| p.reads_shared.iter().chain(p.writes_shared));
         let declared: BTreeSet<_> = shared.filter_map(|data| binding_of(*data, pass)).collect();
         assert_eq!(declared, bound, "{}", pass.name);
     }

@@ -68,7 +68,7 @@ fn shaders_without_fog_have_nothing_of_it() {
             indirect: true,
             ..Features::default()
         };
-        for name in ["light", "trace", "transmit", "indirect", "compose"] {
+        for name in ["light", "paths", "compose"] {
             let names = part(features, name);
             let has = |wanted: &[&str]| wanted.iter().any(|name| names.contains(*name));
             let has_code = has(&["fog_length", "place_towards"]);

@@ -23,11 +23,6 @@ struct Seen {
     hit: vec4u,
 }
 
-// Whether light samples find the light of a surface that a ray meets.
-fn is_lamp(instance: u32) -> bool {
-    return HAS_EMITTERS && (instance_flags(instance) & FLAG_EMITTER) != 0u;
-}
-
 // Follows a ray as the trace pass does, with the reflections along it.
 fn seen_from(probe: vec3f, towards: vec3f, seed: vec2u) -> Seen {
     var seen = Seen(vec4f(0.0), vec4u(0u, NONE, NONE, 0u));
@@ -49,8 +44,7 @@ fn seen_from(probe: vec3f, towards: vec3f, seed: vec2u) -> Seen {
         // The first ray passes lamps.
         let end = seen_at_end(origin, ray, h.instance, h.t);
         if (h.instance == NONE || (bounce > 0u && end.is_seen)) {
-            if (is_kept_apart) { seen.light.w = 0.0; }
-            if (!is_kept_apart) { color += found_light(throughput * end.radiance, bounce); }
+            if (is_kept_apart) { seen.light.w = 0.0; } else { color += found_light(throughput * end.radiance, bounce); }
             break;
         }
         if (bounce == 0u) {
@@ -61,7 +55,9 @@ fn seen_from(probe: vec3f, towards: vec3f, seed: vec2u) -> Seen {
         var s = surface_at(h.instance, h.triangle, h.bary, direction, cone.width_m);
         s.emission *= met_emission(ray, h.instance, h.triangle, h.t, s);
         let is_pane = is_clear_pane(s);
-        if (is_kept_apart && (bounce == 0u || !is_pane) && is_lamp(h.instance)) { s.emission = vec3f(0.0); }
+        // Light samples find the light of lamps.
+        let is_lamp = HAS_EMITTERS && (instance_flags(h.instance) & FLAG_EMITTER) != 0u;
+        if (is_kept_apart && (bounce == 0u || !is_pane) && is_lamp) { s.emission = vec3f(0.0); }
         color += found_light(throughput * met_light(ray, s, vec2u(0u)), bounce);
         if (!continues(s)) { break; }
         ray = next_ray(ray, s, false);

@@ -16,11 +16,6 @@
 // point.
 override PROBES_BY_INSTANCE: bool = false;
 
-fn choosing_point(pixel: vec2u, s: Surface) -> vec3f {
-    if (!PROBES_BY_INSTANCE) { return s.position; }
-    return to_world(textureLoad(ids, pixel, 0).x, vec3f(0.0));
-}
-
 // Part of a reflection that the lobe of a surface averages: the mirror direction of its only lobe, and the level of the
 // maps for its roughness. Sharp reflections, and rays of one lobe of two, keep their own direction.
 struct Aim {
@@ -77,7 +72,9 @@ fn look_up(pixel: vec2u) {
     }
     let width_m = pixel_width(distance(s.position, frame.eye));
     let to = aim(s, ray);
-    let chosen = chosen_probes(choosing_point(pixel, s), params.count, params.nearest);
+    var choosing = s.position;
+    if (PROBES_BY_INSTANCE) { choosing = to_world(textureLoad(ids, pixel, 0).x, vec3f(0.0)); }
+    let chosen = chosen_probes(choosing, params.count, params.nearest);
     var light = vec3f(0.0);
     var found = vec4u(0u, NONE, NONE, 0u);
     var reach_m = 2.0 * FAR_M;

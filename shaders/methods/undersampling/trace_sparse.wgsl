@@ -1,9 +1,15 @@
 // Trace sparse: traces the rays of one of RATE listed pixels (Kim et al. 2016), and lists the others, which follow them.
 
 #import leaders
-#import lists
-#import mirror_path
+#import mirror_hit
+#import mirrored
+#import radiance
+#import work
 
+const PATHS: u32 = MIRROR_PATHS;
+
+@group(2) @binding(5) var cause: texture_2d<u32>;
+@group(2) @binding(6) var reflection: RadianceTexture;
 @group(2) @binding(10) var lead_hit: texture_storage_2d<rgba32uint, write>; // distance, instance, triangle, cause
 
 // Number of rays of a workgroup for each slot of RATE; below the group size, so that overflow is rare.
@@ -57,7 +63,14 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: ve
     let leader = sorted_leader(group.y * groups.x + group.x, lane);
     if (leader == NONE) { return; }
     let pixel = unpack_pixel(leader);
-    trace_pixel(pixel);
+    let first = load_surface(pixel);
+    if (!MAPPED) { free_start_m = free_m(textureLoad(cause, pixel, 0).x); }
+    let ray = reflected_ray(pixel, first);
+    var light = vec4f(0.0);
+    if (carries_light(ray)) { light = mirrored_light(pixel, first, ray, ray_origin(first.position, first.geometric_normal)); }
+    textureStore(reflection, pixel, stored(light));
+    store_hit(pixel, first_hit);
+    store_work(pixel, map_steps);
     // Kept for the followers. The number of textures that a stage may write leaves none for the cause of these pixels:
     // the upsample pass writes it.
     textureStore(lead_hit, pixel, vec4u(first_hit.xyz, first_cause));

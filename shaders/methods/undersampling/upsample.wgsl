@@ -5,15 +5,14 @@
 #import cause_stored
 #import gbuffer
 #import leaders
-#import lists
 #import id_intersection
 #import mirror_hit
 #import mirrored
 #import radiance
 #import upsample_params
+#import work
 
 @group(2) @binding(6) var reflection: RadianceTexture;
-@group(2) @binding(9) var counts: texture_storage_2d<rgba32uint, write>; // with COUNT
 @group(2) @binding(11) var lead_hit: texture_2d<u32>;
 @group(2) @binding(12) var<uniform> params: Params;
 
@@ -118,7 +117,6 @@ fn follow_neighbors(pixel: vec2u) -> bool {
     known_hit = Hit(met.distance_m, id.x, id.y, met.bary, 0u);
     textureStore(reflection, pixel, stored(mirrored_light(pixel, first, ray, first.position)));
     store_hit(pixel, vec4u(bitcast<u32>(met.distance_m), id, 0u));
-    if (exhausted_rays > 0u) { atomicAdd(&counters[EXHAUSTED_COUNTER], exhausted_rays); }
     return true;
 }
 
@@ -142,5 +140,5 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: ve
     workgroupBarrier();
     // The list of rays is free: all of it was sorted.
     if (place != NONE) { lists[ray_slot(first_rest + place)] = pack_pixel(pixel); }
-    if (COUNT && pixel.x != NONE) { textureStore(counts, pixel, vec4u(0u, traversals, visited_nodes, tested_triangles)); }
+    if (pixel.x != NONE) { store_work(pixel, 0u); }
 }

@@ -186,7 +186,7 @@ fn each_edit(
         Edit::Text,
         Edit::Shader("tone.wgsl"),
         Edit::Shader("ssr.wgsl"),
-        Edit::Shader("trace.wgsl"),
+        Edit::Shader("paths.wgsl"),
         // The script is last, for it may have to be added to the scene.
         Edit::Script,
     ];

@@ -279,4 +279,11 @@ pub fn flag(on: bool, bit: u32) -> u32 {
 /// Index value that stands for none.
 pub const NONE: u32 = u32::MAX;
 
+/// Kind of light that paths find: the light that mirror rays bring.
+pub const MIRRORED_LIGHT: u32 = 0;
+/// Kind of light that paths find: light behind transmissive surfaces.
+pub const LIGHT_BEHIND: u32 = 1;
+/// Kind of light that paths find: light that matte surfaces receive from other surfaces.
+pub const RECEIVED_LIGHT: u32 = 2;
+
 const _: () = assert!(size_of::<GpuVertex>() == 32 && size_of::<GpuInstance>() == 128);

@@ -1,9 +1,6 @@
 //! Denoise indirect: smooths indirect diffuse light of pictures with few sub-frames.
 
-use crate::{
-    pipeline::{pass::Override, prelude::*},
-    settings::options::{RenderOptions, SMOOTHED_OVER},
-};
+use crate::{pipeline::prelude::*, settings::options::SMOOTHED_OVER};
 
 /// See `shaders/denoise_indirect.wgsl`; `source` and `denoised` alternate between the targets indirect light and blurred.
 pub const PASS: Pass = Pass {
@@ -18,11 +15,6 @@ pub const PASS: Pass = Pass {
     needed: |plan, options| plan.features.indirect && options.smooths(),
     ..Pass::DEFAULT
 };
-
-/// The constant by which the shader of indirect light knows that this pass follows.
-pub fn constants(options: &RenderOptions) -> Vec<Override> {
-    vec![("SMOOTHED", f64::from(u8::from(options.smooths())))]
-}
 
 /// Radius, as a share of the distance that light comes from, and number of taps of each step; each fills the gaps
 /// between the taps of the previous step.

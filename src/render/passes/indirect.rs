@@ -2,16 +2,22 @@
 
 use crate::pipeline::prelude::*;
 
-/// See `shaders/indirect.wgsl`.
+use super::paths;
+
+/// See `shaders/paths.wgsl`.
 pub const PASS: Pass = Pass {
     name: "indirect",
     group: PassGroup::Light,
     color: [190, 120, 55],
+    aliases: &[("path_light", &[Target::IndirectLight])],
+    leaves: paths::OF_MIRRORS,
     reads_shared: &[ShadowMaps],
-    writes_shared: &[Counters],
-    overrides: super::denoise_indirect::constants,
     needed: |plan, _| plan.features.indirect,
-    checks: Checks::TrustedBuiltin,
-    counted: true,
-    ..Pass::DEFAULT
+    ..paths::SHARED
 };
+
+/// Records the pass.
+pub fn record(pass: &ComputePass, frame: &mut SubFrame<'_>) {
+    let light = paths::RECEIVED_LIGHT;
+    frame.dispatch_with(pass, &paths::Params { light }, Dispatch::PerPixel);
+}

@@ -1,4 +1,4 @@
-//! The passes of a frame, one file each, named like their shaders.
+//! The passes of a frame, one file each, named like their shaders; passes that follow paths share one.
 
 pub mod arguments;
 pub mod audit;
@@ -12,6 +12,7 @@ pub mod fog;
 pub mod guides;
 pub mod indirect;
 pub mod light;
+pub mod paths;
 pub mod primary;
 pub mod pyramid;
 pub mod shadow;
@@ -65,7 +66,7 @@ fn rows() -> Vec<FrameRow> {
         // For the lists of the surface pass.
         FrameRow::over(&arguments::PASS, Dispatch::Groups(1)),
         FrameRow::compute(&transmit::PASS, transmit::record),
-        FrameRow::over(&indirect::PASS, Dispatch::PerPixel),
+        FrameRow::compute(&indirect::PASS, indirect::record),
         FrameRow::steps(
             &denoise_indirect::PASS,
             denoise_indirect::STEPS.len(),

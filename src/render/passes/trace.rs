@@ -3,28 +3,20 @@
 
 use crate::{pipeline::prelude::*, settings::options::RenderOptions};
 
-use super::ssr;
+use super::{paths, ssr};
 
-/// See `shaders/trace.wgsl`.
+/// See `shaders/paths.wgsl`.
 pub const PASS: Pass = Pass {
     name: "trace",
     group: PassGroup::Reflection,
     color: [231, 76, 116],
+    aliases: &[("path_light", &[Target::Reflection])],
     reads_shared: &[Counters, ShadowMaps, PixelLists, DispatchSizes, MethodMaps],
-    writes_shared: &[Counters],
     needed: |plan, options| {
         plan.features.reflections && (ssr::is_enabled(options) || is_enabled(options))
     },
-    overrides: |options| {
-        let flag = |on: bool| f64::from(u8::from(on));
-        vec![
-            ("MARCH", flag(ssr::is_enabled(options))),
-            ("TRACE", flag(is_enabled(options))),
-        ]
-    },
-    checks: Checks::TrustedBuiltin,
-    counted: true,
-    ..Pass::DEFAULT
+    overrides: paths::mirror_overrides,
+    ..paths::SHARED
 };
 
 /// Whether the method traces rays, which the march cannot answer where it marches.
@@ -41,8 +33,9 @@ pub const TRAVERSE: Pass = Pass {
 /// Records the pass.
 pub fn record(pass: &ComputePass, frame: &mut SubFrame<'_>) {
     let rays = Dispatch::Listed(List::Rays);
-    frame.dispatch(pass, rays);
+    let light = paths::MIRRORED_LIGHT;
+    frame.dispatch_with(pass, &paths::Params { light }, rays);
     if let Some(traverse) = frame.instruments.traverse(frame.instrument) {
-        frame.dispatch(traverse, rays);
+        frame.dispatch_with(traverse, &paths::Params { light }, rays);
     }
 }

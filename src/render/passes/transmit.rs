@@ -2,20 +2,17 @@
 
 use crate::pipeline::{prelude::*, recorder::clear_texture};
 
-use super::ssr;
+use super::paths;
 
-/// See `shaders/transmit.wgsl`.
+/// See `shaders/paths.wgsl`.
 pub const PASS: Pass = Pass {
     name: "transmit",
     group: PassGroup::Light,
     color: [253, 208, 126],
-    reads_shared: &[Counters, ShadowMaps, PixelLists, DispatchSizes],
-    writes_shared: &[Counters],
+    aliases: &[("path_light", &[Target::TransmittedLight])],
+    leaves: paths::OF_MIRRORS,
     needed: |plan, _| plan.features.transmission,
-    overrides: |options| vec![("MARCH", f64::from(u8::from(ssr::is_enabled(options))))],
-    checks: Checks::TrustedBuiltin,
-    counted: true,
-    ..Pass::DEFAULT
+    ..paths::SHARED
 };
 
 /// Clear color for pixels that are not listed: no light, and no coverage behind them.
@@ -27,6 +24,10 @@ pub fn record(pass: &ComputePass, frame: &mut SubFrame<'_>) {
     if let Some(view) = targets.view(Target::TransmittedLight) {
         clear_texture(frame.recorder.encoder(), PASS.name, view, NOTHING_BEHIND);
     }
-    let transmissive = Dispatch::Listed(List::Transmissive);
-    frame.dispatch(pass, transmissive);
+    let light = paths::LIGHT_BEHIND;
+    frame.dispatch_with(
+        pass,
+        &paths::Params { light },
+        Dispatch::Listed(List::Transmissive),
+    );
 }

@@ -90,12 +90,14 @@ impl FrameRow {
     pub fn build(&self, builder: &PassBuilder<'_>) -> Result<BuiltPass, GpuError> {
         Ok(match self.build {
             Build::Own(build) => BuiltPass::Own(build(builder)?),
-            Build::Compute(record) => {
-                BuiltPass::Compute(Arc::new(builder.compute(self.pass, &[])?), record)
-            }
-            Build::Over(dispatch) => {
-                BuiltPass::Over(Arc::new(builder.compute(self.pass, &[])?), dispatch)
-            }
+            Build::Compute(record) => BuiltPass::Compute(
+                Arc::new(builder.compute(self.pass, &self.pass.swapped(0))?),
+                record,
+            ),
+            Build::Over(dispatch) => BuiltPass::Over(
+                Arc::new(builder.compute(self.pass, &self.pass.swapped(0))?),
+                dispatch,
+            ),
             Build::Steps(pipelines, record) => {
                 let step = |i| builder.compute(self.pass, &self.pass.swapped(i));
                 BuiltPass::Steps((0..pipelines).map(step).collect::<Result<_, _>>()?, record)

@@ -8,7 +8,7 @@ use reflet_gpu::{Checks, Gpu, GpuError, GroupLayout, Named, Shader};
 use reflet_scene::words;
 
 use super::{
-    ray_list::{List, RayList},
+    ray_list::{List, RAYS_PER_GROUP, RayList},
     recorder::{Recorder, Recording},
     shared_data::SharedData,
     shared_groups::{SharedGroups, is_used},
@@ -61,6 +61,8 @@ impl PassGroup {
 pub struct Pass {
     /// Name of the pass, its shader file, its timer label and its preview entry.
     pub name: &'static str,
+    /// Shader file of a pass that shares it with other passes; empty: named like the pass.
+    pub shader: &'static str,
     /// Part of the frame.
     pub group: PassGroup,
     /// Color in charts, sRGB; a test asks for a distance between any two.
@@ -69,13 +71,15 @@ pub struct Pass {
     pub attachments: &'static [Target],
     /// Names in the shader of a pass that swaps targets, with the targets of each in the order of its pipelines.
     pub aliases: &'static [(&'static str, &'static [Target])],
+    /// Targets that a shared shader reads or writes for other passes alone.
+    pub leaves: &'static [Target],
     /// Data beside the targets that the pass reads.
     pub reads_shared: &'static [SharedData],
     /// Data beside the targets that the pass writes.
     pub writes_shared: &'static [SharedData],
     /// Layout of the shader's `Params`, where it has them.
     pub params: Option<StructSpec>,
-    /// Further structs that it shares with shaders, by `#import NAME_structs`.
+    /// Further structs that it shares with shaders, by `#import SHADER_structs`.
     pub structs: &'static [StructSpec],
     /// Whether a frame with this plan and these options records the pass.
     pub needed: fn(&Plan, &RenderOptions) -> bool,
@@ -94,10 +98,12 @@ impl Pass {
     /// A pass that is always recorded and touches no target.
     pub const DEFAULT: Self = Self {
         name: "",
+        shader: "",
         group: PassGroup::Picture,
         color: [0; 3],
         attachments: &[],
         aliases: &[],
+        leaves: &[],
         reads_shared: &[],
         writes_shared: &[],
         params: None,
@@ -108,6 +114,15 @@ impl Pass {
         checks: Checks::All,
         counted: false,
     };
+
+    /// Name of the shader file.
+    pub const fn shader(&self) -> &'static str {
+        if self.shader.is_empty() {
+            self.name
+        } else {
+            self.shader
+        }
+    }
 
     /// Values for the overrides of the pass in a frame that is not measured, its own in place of the plan's; its shader
     /// may declare fewer.
@@ -168,6 +183,9 @@ pub struct ComputePass {
 
 /// Width and height of the workgroups of passes over all pixels.
 pub const GROUP_PX: u32 = 8;
+
+// Passes that follow paths run over squares of pixels and over lists by workgroups of the same size.
+const _: () = assert!(GROUP_PX * GROUP_PX == RAYS_PER_GROUP);
 
 impl ComputePass {
     /// Builds the pipeline of one entry point; overrides that its shader does not declare are ignored.

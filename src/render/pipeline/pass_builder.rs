@@ -79,7 +79,7 @@ impl PassBuilder<'_> {
         overrides.retain(|(name, _)| *name != other.0);
         overrides.push(other);
         let shader = self.shaders.variant(self.gpu, original, &overrides)?;
-        self.bound(pass, &shader, "main", &overrides, &[], extra)
+        self.bound(pass, &shader, "main", &overrides, &pass.swapped(0), extra)
     }
 
     /// Builds a compute pass that starts at `entry` of its shader, with further bindings.

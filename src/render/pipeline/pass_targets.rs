@@ -23,6 +23,7 @@ impl PassTargets {
             names
                 .iter()
                 .flat_map(|name| targets_named(pass, name))
+                .filter(|target| !pass.leaves.contains(target))
                 .collect()
         };
         let drawn = pass.attachments.iter().copied();
@@ -41,7 +42,7 @@ impl PassTargets {
         library: &ShaderLibrary,
         constants: &[Override],
     ) -> Result<Self, ShaderError> {
-        let module = parse(&library.source(pass.name)?)?;
+        let module = parse(&library.source(pass.shader())?)?;
         let part = pruned(&module, constants);
         Ok(Self::new(pass, &UsedTextures::new(&module, &part)))
     }

@@ -2,6 +2,8 @@
 //! `triangles`. Their texts differ in ways that no constant can choose: extensions of WGSL, formats of textures, and
 //! bindings of arrays as buffers or as textures.
 
+use std::collections::BTreeMap;
+
 use reflet_gpu::{ShaderError, ShaderLibrary};
 use reflet_scene::desc::Method;
 
@@ -116,9 +118,11 @@ impl ShaderVariant {
             let parts = parts.filter(|(_, structs)| !structs.is_empty());
             parts.map(|(part, structs)| {
                 let text = structs.iter().map(StructSpec::wgsl).collect();
-                (format!("{}_{part}", pass.name), text)
+                (format!("{}_{part}", pass.shader()), text)
             })
         });
+        // Passes that share a shader share its structs.
+        let params: BTreeMap<String, String> = params.collect();
         let triangles = if self.indexed { "indexed" } else { "pulled" };
         // Without maps, no shader imports the march through them.
         let maps = self.maps.filter(|method| method.traces());
@@ -130,7 +134,7 @@ impl ShaderVariant {
             let text = format!("#import {import}_{ending}\n");
             (import.to_owned(), text)
         });
-        (params.chain(chosen)).try_fold(library, |library, (name, text)| {
+        (params.into_iter().chain(chosen)).try_fold(library, |library, (name, text)| {
             library.with_generated(&name, text)
         })
     }

@@ -29,7 +29,7 @@ impl Shaders {
     ) -> Result<Self, GpuError> {
         let library = variant.library(library, needed)?;
         let shaders = needed.iter().map(|pass| {
-            let source = library.source(pass.name)?;
+            let source = library.source(pass.shader())?;
             let shader = gpu.shader(source.clone(), pass.checks, &constants(pass))?;
             Ok((pass.name, (source, shader)))
         });

@@ -9,12 +9,8 @@ fn is_same_direction(a: vec3f, b: vec3f) -> bool {
     return dot(a, b) > SAME_DIRECTION;
 }
 
-// Ten bits for each channel.
+// Ten bits for each channel; a look-up unpacks them.
 fn packed_share(share: vec3f) -> u32 {
     let rounded = vec3u(round(saturate(share) * 1023.0));
     return rounded.x | (rounded.y << 10u) | (rounded.z << 20u);
-}
-
-fn unpacked_share(packed: u32) -> vec3f {
-    return vec3f((vec3u(packed) >> vec3u(0u, 10u, 20u)) & vec3u(1023u)) / 1023.0;
 }

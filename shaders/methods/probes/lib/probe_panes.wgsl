@@ -22,7 +22,7 @@ fn light_through_panes(probe: u32, origin: vec3f, ray: Reflected, width_m: f32, 
     let at = face_place(towards);
     let behind = textureLoad(pane_hits, cube_pixel(at.place), 6u * probe + at.face, 0);
     if (behind.w == 0u) { return vec3f(0.0); }
-    let share = unpacked_share(behind.w);
+    let share = vec3f((vec3u(behind.w) >> vec3u(0u, 10u, 20u)) & vec3u(1023u)) / 1023.0;
     let eye = probes[probe].position.xyz;
     var reach_m = 2.0 * FAR_M;
     if (behind.y != NONE) { reach_m = max(dot(eye + towards * bitcast<f32>(behind.x) - origin, ray.direction), 0.0); }
