@@ -28,23 +28,17 @@ Color = Sequence[float]
 
 def principled(name: str, color: Color = (0.8, 0.8, 0.8), **inputs: object) -> bpy.types.Material:
     """A Principled material; further inputs by their names with `_` for spaces."""
-    material = bpy.data.materials.new(name)
-    material.use_nodes = True
-    shader = material.node_tree.nodes["Principled BSDF"]
-    shader.inputs["Base Color"].default_value = (*color, 1)
-    for key, value in inputs.items():
-        shader.inputs[key.replace("_", " ")].default_value = value
-    return material
+    return plain(name, "ShaderNodeBsdfPrincipled", color, **inputs)
 
 
 def plain(name: str, kind: str, color: Color, **inputs: object) -> bpy.types.Material:
-    """A material of one node, such as `ShaderNodeBsdfDiffuse`."""
+    """A material of one node, such as `ShaderNodeBsdfDiffuse`, whose first input is its color."""
     material = bpy.data.materials.new(name)
     material.use_nodes = True
     tree = material.node_tree
     tree.nodes.clear()
     shader, output = tree.nodes.new(kind), tree.nodes.new("ShaderNodeOutputMaterial")
-    shader.inputs["Color"].default_value = (*color, 1)
+    shader.inputs[0].default_value = (*color, 1)
     for key, value in inputs.items():
         shader.inputs[key.replace("_", " ")].default_value = value
     tree.links.new(shader.outputs[0], output.inputs["Surface"])
@@ -112,6 +106,20 @@ def sky(color: Color, strength: float = 1) -> None:
     background = _world().nodes["Background"]
     background.inputs["Color"].default_value = (*color, 1)
     background.inputs["Strength"].default_value = strength
+
+
+def panorama(image: bpy.types.Image, turn_deg: float, strength: float = 1) -> None:
+    """A world of an image in longitude and latitude; lookups are turned about Z."""
+    tree = _world()
+    texture = tree.nodes.new("ShaderNodeTexEnvironment")
+    mapping = tree.nodes.new("ShaderNodeMapping")
+    coordinates = tree.nodes.new("ShaderNodeTexCoord")
+    texture.image = image
+    mapping.inputs["Rotation"].default_value = (0, 0, math.radians(turn_deg))
+    tree.links.new(coordinates.outputs["Generated"], mapping.inputs["Vector"])
+    tree.links.new(mapping.outputs["Vector"], texture.inputs["Vector"])
+    tree.links.new(texture.outputs["Color"], tree.nodes["Background"].inputs["Color"])
+    tree.nodes["Background"].inputs["Strength"].default_value = strength
 
 
 def _world() -> bpy.types.NodeTree:
@@ -198,7 +206,6 @@ def spot() -> None:
 
 def world() -> None:
     """A panorama, turned, with a bright window, as the only light."""
-    tree = _world()
     image = bpy.data.images.new("panorama", 256, 128, float_buffer=True)
     up, across = np.mgrid[0:128, 0:256]
     pixels = np.ones((128, 256, 4), np.float32)
@@ -207,17 +214,7 @@ def world() -> None:
     pixels[(up > 60) & (up < 90) & (across > 30) & (across < 50), :3] = (1, 5, 8)
     image.pixels.foreach_set(pixels.ravel())
     image.update()
-    texture, mapping = (
-        tree.nodes.new("ShaderNodeTexEnvironment"),
-        tree.nodes.new("ShaderNodeMapping"),
-    )
-    coordinates = tree.nodes.new("ShaderNodeTexCoord")
-    texture.image = image
-    mapping.inputs["Rotation"].default_value = (0, 0, math.radians(40))
-    tree.links.new(coordinates.outputs["Generated"], mapping.inputs["Vector"])
-    tree.links.new(mapping.outputs["Vector"], texture.inputs["Vector"])
-    tree.links.new(texture.outputs["Color"], tree.nodes["Background"].inputs["Color"])
-    tree.nodes["Background"].inputs["Strength"].default_value = 1.2
+    panorama(image, 40, 1.2)
     floor(principled("ground", (0.5, 0.5, 0.5), Roughness=0.7))
     ball(
         "mirror", (-0.7, 0, 0.6), 0.6, principled("mirror", (1, 1, 1), Metallic=1.0, Roughness=0.0)
@@ -367,24 +364,26 @@ SCENES: dict[str, Callable[[], None]] = {
 }
 
 
-def make(name: str) -> bpy.types.Scene:
-    """Make one of the scenes in an empty file."""
+def empty() -> bpy.types.Scene:
+    """The scene of an empty file, which Cycles can render."""
+    import addon_utils  # a module that can be found once `bpy` is imported
+
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    SCENES[name]()
+    addon_utils.enable("cycles")
     return bpy.context.scene
 
 
-def render_cycles(scene: bpy.types.Scene, path: Path, samples: int) -> None:
+def render_cycles(scene: bpy.types.Scene, path: Path, samples: int, bounces: int = 32) -> None:
     """Render linear radiance by Cycles, on the processor and without a denoiser."""
     render, cycles = scene.render, scene.cycles
     render.engine = "CYCLES"
     cycles.device, cycles.samples, cycles.use_denoising = "CPU", samples, False
     cycles.use_adaptive_sampling = False
-    # A pixel is a mean over its square, as Reflet's is, and light is followed as far as it goes.
+    # A pixel is a mean over its square, as Reflet's is.
     cycles.pixel_filter_type = "BOX"
-    cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = 32
-    cycles.transmission_bounces = cycles.transparent_max_bounces = 32
-    cycles.sample_clamp_indirect = cycles.blur_glossy = 0
+    cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = bounces
+    cycles.transmission_bounces = cycles.transparent_max_bounces = bounces
+    cycles.sample_clamp_direct = cycles.sample_clamp_indirect = cycles.blur_glossy = 0
     cycles.caustics_reflective = cycles.caustics_refractive = True
     render.image_settings.file_format = "OPEN_EXR"
     render.image_settings.color_depth = "32"
@@ -402,14 +401,12 @@ def main() -> None:
     parser.add_argument("--samples", type=int, default=256, help="of Cycles, for each pixel")
     parser.add_argument("--no-cycles", action="store_true", help="only export")
     args = parser.parse_args()
-    import addon_utils
-
     width, height = (int(part) for part in args.size.split("x"))
     for name in args.names or SCENES:
         if name not in SCENES:
             parser.error(f"{name} is none of {', '.join(SCENES)}")
-        scene = make(name)
-        addon_utils.enable("cycles")
+        scene = empty()
+        SCENES[name]()
         scene.render.resolution_x, scene.render.resolution_y = width, height
         scene.view_settings.view_transform = "Standard"
         place = args.out / name
