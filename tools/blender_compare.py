@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Renders ten scenes of Blender by Cycles and, exported, by Reflet, and compares the pictures.
+"""Renders eleven scenes of Blender by Cycles and, exported, by Reflet, and compares the pictures.
 
     .venv/bin/python tools/blender_compare.py OUT [NAME ...] [--page]
 

@@ -1,8 +1,8 @@
 """Owns what tests do in Blender: exports scenes whose light is known, and renders one.
 
 Runs in Blender's Python: `python blender_session.py OUT`, with the program on the PATH. Writes the
-projects OUT/sun, OUT/point and OUT/odd, the pictures OUT/engine.exr and OUT/passes.exr, and
-OUT/said.json with the losses and refusals.
+projects OUT/sun, OUT/point, OUT/odd and OUT/wax, the pictures OUT/engine.exr and OUT/passes.exr,
+and OUT/said.json with the losses and refusals.
 """
 
 from __future__ import annotations
@@ -85,6 +85,7 @@ def main() -> None:
         ("sun", lambda: lit("SUN", math.pi)),
         ("point", lambda: lit("POINT", 4 * math.pi**2 * HEIGHT_M**2)),
         ("odd", odd),
+        ("wax", lambda: (scenes.empty(), scenes.wax())[0]),
     ]:
         report = export_project(scene(), out / name, OPTIONS)
         said[name] = [loss.code for loss in report.losses]

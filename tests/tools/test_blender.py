@@ -87,6 +87,23 @@ def test_odd_names_and_scales_are_carried(out):
     assert (info["instances"], info["meshes"]) == (3, 2)
 
 
+def test_mean_free_paths_below_a_surface_are_those_of_cycles(out):
+    scene = out / "wax" / "scene.toml"
+    assert said(out)["wax"] == [] and ": ok" in run("check", scene)
+    text = tomllib.loads((out / "wax" / "blender.toml").read_text(encoding="utf-8"))
+    # Radius over 4 pi, times 1 - anisotropy; of skin, what `bssrdf_setup_radius` computes.
+    for model, name, paths_m, color in [
+        ("wax ball", "wax", (0.11937, 0.06366, 0.02387), (0.883, 0.664, 0.358)),
+        ("jade ball", "jade", (0.03979, 0.07958, 0.03979), (0.265, 0.664, 0.358)),
+        ("skin box", "skin", (0.02864, 0.03873, 0.02913), (0.788, 0.480, 0.382)),
+    ]:
+        look = text["model"][model]["material"][name]
+        found_m = -look["attenuation_distance_m"] / np.log(look["attenuation_color"])
+        np.testing.assert_allclose(found_m, paths_m, rtol=1e-3)
+        # A random walk on the processor from directions refracted at an index of 1.5 returns this.
+        np.testing.assert_allclose(look["scattering_color"], color, rtol=0.02)
+
+
 def test_a_second_export_writes_nothing_new_and_leaves_layers(out):
     assert said(out)["again"] == []
 

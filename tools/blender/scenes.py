@@ -1,4 +1,4 @@
-"""Makes ten small scenes in Blender, to be rendered by Cycles and, exported, by Reflet.
+"""Makes eleven small scenes in Blender, to be rendered by Cycles and, exported, by Reflet.
 
 Runs in Blender's Python (the package `bpy`):
 
@@ -342,6 +342,24 @@ def instances() -> None:
     camera((0, -7, 3), (0, 0, 0.6), 36)
 
 
+def wax() -> None:
+    """Wax, skin, and jade of which half is matte, below a rectangle and before a bright lamp."""
+    sky((0.05, 0.06, 0.08))
+    floor(plain("ground", "ShaderNodeBsdfDiffuse", (0.5, 0.45, 0.4)))
+    depth = {"Subsurface_Weight": 1.0, "Subsurface_Scale": 1.0, "Roughness": 0.4}
+    candle = principled("wax", (0.9, 0.7, 0.4), Subsurface_Radius=(1.5, 0.8, 0.3), **depth)
+    ball("wax ball", (-1.2, 0, 0.55), 0.55, candle)
+    skin = principled("skin", (0.8, 0.5, 0.4), Subsurface_Radius=(0.4, 0.15, 0.08), **depth)
+    skin.node_tree.nodes["Principled BSDF"].subsurface_method = "RANDOM_WALK_SKIN"
+    box("skin box", (0, 0, 0.5), (0.8, 0.8, 1), skin)
+    half = {**depth, "Subsurface_Weight": 0.5, "Subsurface_Anisotropy": 0.5}
+    jade = principled("jade", (0.3, 0.7, 0.4), Subsurface_Radius=(1, 2, 1), **half)
+    ball("jade ball", (1.2, 0, 0.55), 0.55, jade)
+    light("AREA", (-2, -2, 3), (0, 0, 0.5), 120, shape="RECTANGLE", size=1.5, size_y=1.0)
+    light("AREA", (1, 2.5, 1.5), (0, 0, 0.5), 200, shape="DISK", size=0.6, color=(1, 0.8, 0.6))
+    camera((0, -6, 2), (0, 0, 0.5), 28)
+
+
 def mirror_hall() -> None:
     """Two mirrors that face each other, with a ball and a lamp between them."""
     sky((0.02, 0.02, 0.03))
@@ -359,7 +377,7 @@ SCENES: dict[str, Callable[[], None]] = {
     made.__name__: made
     for made in (
         *(spheres, glass, area_light, sun, spot),
-        *(world, textured, animated, instances, mirror_hall),
+        *(world, textured, animated, instances, mirror_hall, wax),
     )
 }
 

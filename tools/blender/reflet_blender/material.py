@@ -1,12 +1,13 @@
 """Owns what the export of glTF does not carry of materials: values of scene text over the file's.
 
 Blender's exporter writes Principled materials with their textures. Here is the rest that Reflet
-has: that glass is solid, that glowing surfaces light others, plain shaders other than Principled;
-and the names of losses.
+has: that glass is solid, what light does below a surface, that glowing surfaces light others, plain
+shaders other than Principled; and the names of losses.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -126,8 +127,7 @@ def _own_number(
 def _principled(shader: bpy.types.Node, name: str, report: Report) -> dict[str, Any]:
     out: dict[str, Any] = {}
     _name_procedural(shader, name, report)
-    if _number(shader, "Subsurface Weight") > 0:
-        report.lose("subsurface-dropped", name)
+    out.update(_subsurface(shader, name, report))
     if _number(shader, "Transmission Weight") > 0:
         out.update(_SOLID)
     glow = shader.inputs["Emission Color"]
@@ -147,6 +147,71 @@ def _principled(shader: bpy.types.Node, name: str, report: Report) -> dict[str, 
         ior = min(max(_number(shader, "Thin Film IOR"), 1.0), 4.0)
         out.update(iridescence=1, iridescence_ior=ior, iridescence_thickness_nm=film)
     return out
+
+
+def _subsurface(shader: bpy.types.Node, name: str, report: Report) -> dict[str, Any]:
+    """Scattering inside of light that enters and leaves scattered, by Cycles's mean free paths."""
+    weight = _share(shader, "Subsurface Weight")
+    if weight == 0:
+        return {}
+    radius, scale, turn, color = (
+        shader.inputs[key]
+        for key in ("Subsurface Radius", "Subsurface Scale", "Subsurface Anisotropy", "Base Color")
+    )
+    linked = (shader.inputs["Subsurface Weight"], radius, scale, turn, color)
+    if any(each.is_linked for each in linked) or _number(shader, "Transmission Weight") > 0:
+        report.lose("subsurface-dropped", name)
+        return {}
+    colors, onward = _color(shader, "Base Color"), min(max(turn.default_value, -0.99), 0.9)
+    paths_m = [max(each * scale.default_value, 0.0) for each in radius.default_value]
+    if max(paths_m) == 0 or max(colors) == 0:
+        return {}
+    kind, shares = shader.subsurface_method, [0.25 / math.pi] * 3
+    scattered = [_entered(part, _number(shader, "IOR")) for part in colors]
+    if kind == "BURLEY":
+        scattered = colors
+        report.lose("material-approximated", name, "Christensen-Burley is a random walk")
+    elif kind == "RANDOM_WALK_SKIN":
+        ior = min(max(_number(shader, "Subsurface IOR"), 1.01), 3.8)
+        shares = [_skin_share(part, ior) for part in colors]
+        # Half of the light enters scattered.
+        scattered = [(part + _entered(part, ior)) / 2 for part in colors]
+    paths_m = [path * share * (1 - onward) for path, share in zip(paths_m, shares, strict=True)]
+    longest_m = max(paths_m)
+    left = [math.exp(-longest_m / max(path, longest_m * 1e-6)) for path in paths_m]
+    look = {"diffuse_transmission": weight, "scattering_color": scattered, **_SOLID}
+    look.update(attenuation_color=left, attenuation_distance_m=longest_m)
+    return {**look, **({"scattering_anisotropy": onward} if onward != 0 else {})}
+
+
+def _entered(color: float, ior: float) -> float:
+    """Color of a thick solid that light enters refracted by a rough surface, as in Cycles.
+
+    Light gets deeper than light that enters scattered, which would return `color`. From there,
+    (1 - q) / (1 + 2 q cosine) of it returns (Hapke 1981), q: root of the share absorbed at a
+    scattering, by van de Hulst's fit (1980), as Reflet has it; by the mean cosines of both.
+    """
+    ior, slope = min(max(ior, 1.01), 3.8), 1.139 + 1.17 * color
+    q = (slope - math.sqrt(slope**2 - 4 * 0.139 * (1 - color))) / (2 * 0.139)
+    refracted = 2 / 3 * ior**2 * (1 - (1 - 1 / ior**2) ** 1.5)
+    return color * (1 + 4 / 3 * q) / (1 + 2 * refracted * q)
+
+
+def _skin_share(color: float, ior: float) -> float:
+    """Mean free path of Cycles's skin over its radius: a dipole's that returns this color.
+
+    Mean free path over diffusion length, by equation 15 of Jensen et al. 2001 solved for the
+    albedo, with their fit of the mean Fresnel reflectance.
+    """
+    mean = (-1.440 / ior + 0.710) / ior + 0.668 + 0.0636 * ior
+    inner = 4 / 3 * (1 + mean) / (1 - mean)
+    least, most, root = 0.0, 1.0, 0.0
+    for _ in range(12):  # as many halvings as in Cycles
+        middle = (least + most) / 2
+        root = math.sqrt(3 * (1 - middle))
+        returned = middle / 2 * (1 + math.exp(-inner * root)) * math.exp(-root)
+        least, most = (middle, most) if returned < color else (least, middle)
+    return root
 
 
 def _diffuse(shader: bpy.types.Node, name: str, report: Report) -> dict[str, Any]:

@@ -41,7 +41,7 @@ LOSSES = {
     "scale-zero": "a thing with a scale of zero is left out",
     "shadow-catcher-dropped": "a shadow catcher or holdout is an ordinary thing",
     "spot-approximated": "a spot whose cone is scaled, or 180 degrees wide, is round and narrower",
-    "subsurface-dropped": "scattering below a surface",
+    "subsurface-dropped": "scattering below a surface whose values vary, or that transmits too",
     "tone-map-approximated": "a view transform that Reflet has no counterpart for",
     "units-dropped": "a unit scale other than 1; a unit of Blender is a meter",
     "volume-dropped": "a volume of a material or of the world",
