@@ -10,7 +10,7 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 
@@ -70,11 +70,16 @@ class Used:
     """Most at a time."""
 
 
-def used(command: Sequence[str | pathlib.Path], limit_s: float = 3600) -> Used:
-    """Runs a command, and ends it by SIGXCPU after so many seconds."""
+def used(
+    command: Sequence[str | pathlib.Path],
+    limit_s: float = 3600,
+    environment: Mapping[str, str] | None = None,
+) -> Used:
+    """Runs a command with further variables, and ends it by SIGXCPU after so many seconds."""
+    held = {**os.environ, **(environment or {})}
     started = time.monotonic()
     with tempfile.TemporaryFile() as errors:
-        process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=errors)
+        process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=errors, env=held)
         timer = threading.Timer(limit_s, lambda: os.kill(process.pid, signal.SIGXCPU))
         timer.daemon = True
         timer.start()

@@ -3,8 +3,9 @@
 Mitsuba is no part of the project's environment: `python3 -m venv DIR && DIR/bin/pip install
 mitsuba numpy pillow OpenEXR`, then run tools/tell.py by DIR/bin/python to measure. It needs LLVM 17
 or newer as a shared library (`DRJIT_LIBLLVM_PATH` says where, if it is not found). Pictures are
-96 x 64, in linear light. Times are of the driver of each OUT; one of `--only speed` has times
-alone. The text around the tables is written by hand: check it against new numbers.
+96 x 64, in linear light. Times, all that `--only speed` measures, are of the system's driver, of
+the newest one, and of Cycles where `tools/setup.sh --blender` has installed it. The text around the
+tables is written by hand: check it against new numbers.
 """
 
 import pathlib
@@ -53,24 +54,10 @@ def ours(out: pathlib.Path, scene: Scene, samples: int, program: pathlib.Path) -
     return load(picture)
 
 
-def theirs(out: pathlib.Path, scene: Scene) -> tuple[Picture, Picture]:
+def theirs(out: pathlib.Path, scene: Scene) -> speed.Pair:
     """Two pictures by Mitsuba that differ by their noise alone; their mean is the reference."""
-    import mitsuba as mi
-    import tomllib
-    from reflet_light import export
-
-    found = out / f"{scene.name}.npy"
-    if not found.exists():
-        moments = scene.moments or (scene.text,)
-        pair = np.zeros((2, SIZE[1], SIZE[0], 3))
-        for index, text in enumerate(moments):
-            made = mi.load_dict(export.scene(tomllib.loads(text), out, SIZE, scene.depth))
-            for half in range(2):
-                samples = THEIR_SAMPLES // 2 // len(moments)
-                pair[half] += mi.render(made, spp=samples, seed=2 * index + half + 1).numpy()
-        np.save(found, pair / len(moments))
-    pair = np.load(found)
-    return pair[0], pair[1]
+    kept = out / f"{scene.name}.npy"
+    return speed.converged(scene, kept, SIZE, THEIR_SAMPLES // 2, speed.SAMPLERS[0])
 
 
 def measure(run: Run) -> None:
