@@ -3,8 +3,10 @@
 import os
 import shutil
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import pytest
 
@@ -71,6 +73,18 @@ def reflet(package: Path) -> ModuleType:
 def stages() -> Path:
     """The folder of small stages in this repository."""
     return HERE / "stages"
+
+
+@pytest.fixture
+def run_cli(capsys: pytest.CaptureFixture[str]) -> Callable:
+    """Run `reflet-usd` in this process with an exit code; returns its captured `out` and `err`."""
+    from reflet_usd import cli
+
+    def run(code: int, *words: object) -> Any:
+        assert cli.main([str(word) for word in words]) == code
+        return capsys.readouterr()
+
+    return run
 
 
 @pytest.fixture(scope="session")

@@ -2,13 +2,16 @@
 
 import itertools
 import json
+import re
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pygltflib as gl
-from reflet_usd.convert import ConvertOptions, ConvertResult, convert_stage
+import pytest
+from reflet_usd.convert import ConvertError, ConvertOptions, ConvertResult, convert_stage
 from reflet_usd.validate.validation import Validation, validate_file
+from reflet_usd.validate.validation_table import format_validation
 
 _TYPES = {5120: "i1", 5121: "u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 _COUNTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
@@ -27,6 +30,19 @@ class Converted:
     def validated(self) -> Validation:
         """The comparison with the stage as it is now, in this process: starting one takes 2 s."""
         return validate_file(self.out, self.stage, khronos=False)
+
+    def agreeing(self, **least: int) -> Validation:
+        """The comparison, which has to pass, with at least so many comparisons of each check."""
+        validation = self.validated()
+        assert validation.passed, format_validation(validation)
+        compared = {check.name: check.compared for check in validation.checks}
+        assert {name: min(count, compared[name]) for name, count in least.items()} == least
+        return validation
+
+    def proven(self) -> "Converted":
+        """The converted stage, after asserting that its file agrees with it."""
+        self.agreeing()
+        return self
 
     def warnings(self, prim: str | None = None) -> set[str]:
         """Names of the sidecar's warnings, of one prim or of all."""
@@ -157,6 +173,11 @@ def interpolated(
     else:
         mixed = (np.sin((1 - share) * angle) * a + np.sin(share * angle) * b) / np.sin(angle)
     return mixed / np.linalg.norm(mixed)
+
+
+def refused(name: str, says: str = "") -> Any:
+    """Expect a `ConvertError` of that name, whose path or message says so."""
+    return pytest.raises(ConvertError, match=rf"(?s){re.escape(says)}.*\[{name}\]$")
 
 
 def convert_text(folder: Path, text: str, name: str = "stage.usda", **options: Any) -> Converted:

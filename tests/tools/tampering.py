@@ -163,15 +163,6 @@ UNIT = mesh(
 )
 
 
-def forget(done: Converted, name: str) -> None:
-    """Remove all warnings of one name from the sidecar."""
-    path = Path(f"{done.out}.json")
-    sidecar = json.loads(path.read_text(encoding="utf-8"))
-    kept = [warning for warning in sidecar["warnings"] if warning["name"] != name]
-    assert len(kept) < len(sidecar["warnings"]), name
-    path.write_text(json.dumps({**sidecar, "warnings": kept}), encoding="utf-8")
-
-
 def expect_found(done: Converted, damage: Damage) -> None:
     """Assert that the file passes as it is, and fails once damaged."""
     validation = done.validated()

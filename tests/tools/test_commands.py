@@ -6,6 +6,7 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -127,57 +128,45 @@ def test_the_handlers_of_the_caller_come_back(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("place", ["/proc/x.glb", "folder.glb"])
 def test_an_output_that_cannot_be_written_is_named(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], place: str
+    tmp_path: Path, run_cli: Callable, place: str
 ) -> None:
     (tmp_path / "folder.glb").mkdir()
     stage = tmp_path / "stage.usda"
     stage.write_text(CUBE)
-    assert cli.main(["convert", str(stage), "-o", str(tmp_path / place)]) == 1
-    assert "[output-unwritable]" in capsys.readouterr().err
+    assert "[output-unwritable]" in run_cli(1, "convert", stage, "-o", tmp_path / place).err
     assert sorted(path.name for path in tmp_path.iterdir()) == ["folder.glb", "stage.usda"]
 
 
 @pytest.mark.parametrize("option", ["-o", "--json"])
-def test_report_looks_at_its_outputs_first(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], option: str
-) -> None:
+def test_report_looks_at_its_outputs_first(tmp_path: Path, run_cli: Callable, option: str) -> None:
     (tmp_path / "stage.usda").write_text(CUBE)
-    place = tmp_path / "none" / "x.md"
-    assert cli.main(["report", str(tmp_path), option, str(place)]) == 2
-    assert "make it first" in capsys.readouterr().err
-    assert cli.main(["report", str(tmp_path), option, str(tmp_path)]) == 2
-    assert "name a file" in capsys.readouterr().err
+    for place, advice in ((tmp_path / "none" / "x.md", "make it first"), (tmp_path, "name a file")):
+        assert advice in run_cli(2, "report", tmp_path, option, place).err
 
 
 def test_report_says_what_a_folder_lacks(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, run_cli: Callable, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert cli.main(["report", str(tmp_path)]) == 2
-    assert "holds no USD stage" in capsys.readouterr().err
+    assert "holds no USD stage" in run_cli(2, "report", tmp_path).err
     (tmp_path / "stage.usda").write_text(CUBE)
-    assert cli.main(["report", str(tmp_path), "--only", "nothing"]) == 2
-    assert "no stage matches 'nothing'" in capsys.readouterr().err
+    assert "no stage matches 'nothing'" in run_cli(2, "report", tmp_path, "--only", "nothing").err
     with pytest.raises(SystemExit):
         cli.main(["report", str(tmp_path), "--only", "("])
     assert "no regular expression" in capsys.readouterr().err
 
 
 def test_report_leaves_out_what_it_cannot_measure(
-    tmp_path: Path, khronos: None, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, khronos: None, run_cli: Callable
 ) -> None:
     (tmp_path / "stage.usda").write_text(CUBE)
-    assert cli.main(["report", str(tmp_path)]) == 0
-    shown = capsys.readouterr().out
+    shown = run_cli(0, "report", tmp_path).out
     assert "| converted, of those that open | 1/1 |" in shown
     assert "0/0" not in shown
 
 
-def test_the_limits_of_convert_are_options(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_limits_of_convert_are_options(tmp_path: Path, run_cli: Callable) -> None:
     stage, out = slow_stage(tmp_path), tmp_path / "out.glb"
-    assert cli.main(["convert", str(stage), "-o", str(out), "--cpu-limit", "1"]) == 1
-    said = capsys.readouterr().err
+    said = run_cli(1, "convert", stage, "-o", out, "--cpu-limit", "1").err
     assert "more than 1 s of processor time" in said and "--cpu-limit" in said
     assert not out.exists()
     for wrong in ("0", "-1", "1.5", "²", "9999999999"):

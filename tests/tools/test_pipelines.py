@@ -21,14 +21,6 @@ RED = material("Red", "color3f inputs:diffuseColor = (1, 0, 0)")
 BLUE = material("Blue", "color3f inputs:diffuseColor = (0, 0, 1)")
 
 
-def proven(folder: Path, text: str) -> Converted:
-    """Convert a stage and assert that the validator passes its file."""
-    done = convert_text(folder, text)
-    validation = done.validated()
-    assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
-    return done
-
-
 def colors_of(done: Converted, prim: str) -> list[list[float]]:
     """Base colors of the prim's primitives."""
     mesh = done.gltf.meshes[done.gltf.nodes[done.node(prim)].mesh]
@@ -46,7 +38,7 @@ def test_value_clips_jump_from_one_to_the_next(tmp_path: Path, khronos: None) ->
         '#usda 1.0\nover "Model"\n{\n    double3 xformOp:translate\n}\n'
     )
     text = text_of("pipelines/value_clips_jump_from_one_to_the_next.usda")
-    done = proven(tmp_path, text)
+    done = convert_text(tmp_path, text).proven()
     assert check_files([done.out])[0].errors == 0
     for code, place in ((12.9999, (10, 5)), (13.0, (10, 0)), (19.0, (-5, 2.5))):
         world = done.world((code - 1) / 24)[done.node("/World")]
@@ -62,7 +54,7 @@ def test_keys_closer_than_single_precision(tmp_path: Path, khronos: None) -> Non
 
 def test_bindings_by_purpose(tmp_path: Path) -> None:
     text = text_of("pipelines/bindings_by_purpose.usda", GRID=GRID, RED=RED, BLUE=BLUE)
-    done = proven(tmp_path, text)
+    done = convert_text(tmp_path, text).proven()
     assert colors_of(done, "/G/S") == colors_of(done, "/G/M") == [[1, 0, 0]]
     assert done.warnings("/G/S") == done.warnings("/G/M") == {"binding-purpose-dropped"}
     assert done.warnings("/G") == set()
@@ -72,7 +64,7 @@ def test_a_binding_for_previews_alone_counts(tmp_path: Path) -> None:
     text = text_of(
         "pipelines/a_binding_for_previews_alone_counts.usda", GRID=GRID, BLUE=BLUE, RED=RED
     )
-    done = proven(tmp_path, text)
+    done = convert_text(tmp_path, text).proven()
     assert colors_of(done, "/G/S") == colors_of(done, "/G/M") == [[0, 0, 1]]
     assert done.warnings("/G") == {"binding-purpose-dropped"}
     assert done.warnings("/G/S") == done.warnings("/G/M") == set()
@@ -82,7 +74,7 @@ def test_a_face_in_several_subsets_is_the_first_ones(tmp_path: Path) -> None:
     text = text_of(
         "pipelines/a_face_in_several_subsets_is_the_first_ones.usda", GRID=GRID, RED=RED, BLUE=BLUE
     )
-    done = proven(tmp_path, text)
+    done = convert_text(tmp_path, text).proven()
     assert colors_of(done, "/M") == [[1, 0, 0], [0, 0, 1]]
     parts = done.gltf.meshes[0].primitives
     assert [done.gltf.accessors[part.indices].count for part in parts] == [18, 6]
@@ -100,13 +92,13 @@ def test_one_subset_reads_a_uv_set_that_is_not_there(tmp_path: Path) -> None:
             "Map", "color3f inputs:diffuseColor.connect = </Map/T.outputs:rgb>", nodes
         ),
     )
-    assert "uv-missing" in proven(tmp_path, text).warnings("/M")
+    assert "uv-missing" in convert_text(tmp_path, text).proven().warnings("/M")
 
 
 def test_tiled_images_of_materialx(tmp_path: Path) -> None:
     save(tmp_path, "t.png", noise("RGB"))
     text = text_of("pipelines/tiled_images_of_materialx.usda", GRID=GRID)
-    done = proven(tmp_path, text)
+    done = convert_text(tmp_path, text).proven()
     info = done.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]
     assert info["extensions"]["KHR_texture_transform"]["scale"] == [3, 2]
 
@@ -118,7 +110,7 @@ def test_one_value_colors_a_whole_gprim(tmp_path: Path) -> None:
         for kind in ("Sphere", "Plane", "Cylinder")
         for way in ("uniform", "vertex", "faceVarying")
     )
-    done = proven(tmp_path, text)
+    done = convert_text(tmp_path, text).proven()
     assert done.warnings() == set()
     found = {tuple(m.pbrMetallicRoughness.baseColorFactor) for m in done.gltf.materials}
     assert found == {(1, 0, 0, 1)}
@@ -126,7 +118,7 @@ def test_one_value_colors_a_whole_gprim(tmp_path: Path) -> None:
 
 def test_points_of_no_curve_are_not_in_the_file(tmp_path: Path) -> None:
     text = text_of("pipelines/points_of_no_curve_are_not_in_the_file.usda")
-    done = proven(tmp_path, text)
+    done = convert_text(tmp_path, text).proven()
     part = done.json["meshes"][0]["primitives"][0]
     points = done.array(part["attributes"]["POSITION"])
     assert np.array_equal(points, [[0, 0, 0], [1, 0, 0]])
@@ -142,7 +134,7 @@ def test_cameras_and_lights_of_an_instancer_are_told_apart(tmp_path: Path, khron
     first = text.split("point3f[] points.timeSamples = { 0: [")[1].split("]")[0]
     moved = first.replace("0.5)", "2.5)")
     text = text.replace(f"{first}]", f"{first}], 24: [{moved}] }}", 1)
-    done = proven(tmp_path, text)
+    done = convert_text(tmp_path, text).proven()
     assert check_files([done.out])[0].errors == 0
     assert done.warnings("/I/P/C") == set()
     for node in done.gltf.nodes:
@@ -156,6 +148,6 @@ def test_cameras_and_lights_of_an_instancer_are_told_apart(tmp_path: Path, khron
 @pytest.mark.parametrize("chosen", ["", "missing"])
 def test_variants_that_nothing_selects_are_named(tmp_path: Path, chosen: str) -> None:
     text = text_of("pipelines/variants_that_nothing_selects_are_named.usda", chosen=chosen)
-    done = proven(tmp_path, text)
+    done = convert_text(tmp_path, text).proven()
     assert done.warnings("/W") == {"variants-not-carried"}
     assert done.warnings("/S") == {"color-clamped"}

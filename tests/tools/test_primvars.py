@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from read_converted import Converted, convert_text
 from tampering import FACE, UNIT, Output, expect_found, expect_required, mesh
-from test_validate_strict import attributes, node, rewrite
+from test_validate_strict import attributes, expect_tree_found, node
 from texts import text_of
 
 SHARED = text_of("primvars/shared.usda")
@@ -25,26 +25,22 @@ def values(done: Converted, name: str) -> list[Any]:
     return listed
 
 
-def lose(done: Converted, *names: str) -> None:
-    """Damage: remove attributes of the first mesh."""
-    tree = done.json
-    for name in names:
-        del tree["meshes"][0]["primitives"][0]["attributes"][name]
-    rewrite(done, tree)
+def expect_needed(done: Converted, name: str) -> None:
+    """Assert that the validator misses an attribute of the first mesh that the file loses."""
+    del done.json["meshes"][0]["primitives"][0]["attributes"][name]
+    expect_tree_found(done, done.json)
 
 
 def test_names_that_would_be_one_are_numbered(tmp_path: Path) -> None:
-    done = convert_text(tmp_path, mesh("M", SHARED))
+    done = convert_text(tmp_path, mesh("M", SHARED)).proven()
     assert values(done, "_A_B") == [1, 2, 3, 4]
     assert values(done, "_A_B_2") == [5, 6, 7, 8]
     assert values(done, "_GR__E") == [1, 2, 3, 5]
     assert values(done, "_GR__E_2") == [5, 6, 7, 9]
     told = {"_A_B": "a:b", "_A_B_2": "a_b", "_GR__E": "größe", "_GR__E_2": "grüße"}
     assert done.json["meshes"][0]["extras"]["primvarOf"] == told
-    assert done.validated().passed
     done.json["meshes"][0]["extras"]["primvarOf"]["_A_B"] = "a_b"
-    rewrite(done, done.json)
-    assert not done.validated().passed
+    expect_tree_found(done, done.json)
 
 
 def test_normals_with_long_elements_are_named(tmp_path: Path) -> None:
@@ -59,8 +55,7 @@ def test_normals_with_long_elements_are_named(tmp_path: Path) -> None:
 @pytest.mark.parametrize("name", ["_A_B", "_A_B_2"])
 def test_each_of_them_has_to_be_there(tmp_path: Path, name: str) -> None:
     done = convert_text(tmp_path, mesh("M", SHARED))
-    lose(done, name)
-    assert not done.validated().passed
+    expect_needed(done, name)
 
 
 def test_elements_of_two_are_vectors(tmp_path: Path) -> None:
@@ -76,12 +71,10 @@ def test_elements_of_more_than_four_are_named(tmp_path: Path) -> None:
 
 
 def test_a_third_coordinate_travels(tmp_path: Path) -> None:
-    done = convert_text(tmp_path, mesh("M", LAYERS))
+    done = convert_text(tmp_path, mesh("M", LAYERS)).proven()
     assert values(done, "TEXCOORD_0") == [[0, 1], [1, 1], [1, 0], [0, 0]]
     assert values(done, "_ST") == [[0, 0, 5], [1, 0, 6], [1, 1, 7], [0, 1, 8]]
-    assert done.validated().passed
-    lose(done, "_ST")
-    assert not done.validated().passed
+    expect_needed(done, "_ST")
 
 
 @pytest.mark.parametrize(
@@ -110,15 +103,13 @@ def test_colors_and_normals_that_are_too_many_are_named(tmp_path: Path) -> None:
 
 
 def test_points_keep_their_primvars(tmp_path: Path) -> None:
-    done = convert_text(tmp_path, CLOUD.replace("BODY", ""))
+    done = convert_text(tmp_path, CLOUD.replace("BODY", "")).proven()
     assert values(done, "_HEAT") == [1, 2, 3]
     assert values(done, "TEXCOORD_0") == [[0, 1], [1, 1], [1, 0.75]]
     assert done.gltf.nodes[done.node("/P")].extras["primvars"] == {"all": 3}
-    assert done.validated().passed
     swap = done.json["meshes"][0]["primitives"][0]["attributes"]
     swap["_HEAT"] = swap.pop("TEXCOORD_0")
-    rewrite(done, done.json)
-    assert not done.validated().passed
+    expect_tree_found(done, done.json)
 
 
 @pytest.mark.parametrize(
@@ -146,8 +137,7 @@ def test_values_of_control_points_follow_the_curve(tmp_path: Path) -> None:
     assert np.array(values(done, "_HEAT")) == pytest.approx(
         np.concatenate([np.linspace(1, 4, 9), np.linspace(5, 8, 9)])
     )
-    lose(done, "_EACH")
-    assert not done.validated().passed
+    expect_needed(done, "_EACH")
 
 
 def test_widths_are_drawn(tmp_path: Path, stages: Path) -> None:
@@ -168,25 +158,21 @@ LOOSE = text_of("primvars/loose.usda")
 
 
 def test_primvars_of_what_draws_nothing_travel(tmp_path: Path) -> None:
-    done = convert_text(tmp_path, LOOSE + UNIT)
+    done = convert_text(tmp_path, LOOSE + UNIT).proven()
     kept = [done.gltf.nodes[done.node(prim)].extras["primvars"] for prim in ("/W", "/W/C", "/W/L")]
     assert kept == [
         {"lonely": 5, "displayColor": [[1, 0, 0]]},
         {"grain": 2},
         {"kind": "warm"},
     ]
-    assert done.validated().passed
     node(done.json, "C")["extras"].pop("primvars")
-    rewrite(done, done.json)
-    assert not done.validated().passed
+    expect_tree_found(done, done.json)
 
 
 def test_constants_of_gprims_have_to_be_right(tmp_path: Path) -> None:
-    done = convert_text(tmp_path, mesh("M", "float primvars:age = 7\n"))
-    assert done.validated().passed
+    done = convert_text(tmp_path, mesh("M", "float primvars:age = 7\n")).proven()
     node(done.json, "M")["extras"]["primvars"]["age"] = 8
-    rewrite(done, done.json)
-    assert not done.validated().passed
+    expect_tree_found(done, done.json)
 
 
 @pytest.mark.parametrize(
@@ -203,9 +189,8 @@ def test_loose_primvars_without_a_place_are_named(tmp_path: Path, text: str, pri
 
 def test_animated_loose_primvars_are_named(tmp_path: Path) -> None:
     text = 'def Camera "C" {\nfloat primvars:x.timeSamples = { 0: 1, 9: 2 }\n}\n'
-    done = convert_text(tmp_path, text + UNIT)
+    done = convert_text(tmp_path, text + UNIT).proven()
     assert "primvar-animation-frozen" in done.warnings("/C")
-    assert done.validated().passed
     assert "_X" not in attributes(done.json, "Unit")
 
 

@@ -10,6 +10,7 @@ import zipfile
 from pathlib import Path
 
 import pytest
+from read_converted import refused
 from reflet_usd.convert.types import ConvertError, ConvertOptions
 from reflet_usd.sandbox import Limits, run_convert
 from reflet_usd.usdz_check import PackageLimits, check_package
@@ -153,10 +154,8 @@ def test_a_stage_that_is_no_file_is_called_what_it_is(tmp_path: Path) -> None:
         ("folder", "is a folder"),
         ("none", "does not exist"),
     ):
-        with pytest.raises(ConvertError) as caught:
+        with refused("stage-missing", what):
             run_convert(tmp_path / f"{name}.usda", tmp_path / "a.glb")
-        assert caught.value.name == "stage-missing"
-        assert what in caught.value.message
 
 
 def test_an_earlier_output_survives_a_failure(tmp_path: Path) -> None:
@@ -209,9 +208,8 @@ def test_the_network_is_not_reachable(tmp_path: Path) -> None:
 def test_wrong_names_are_refused_first(tmp_path: Path, stage: str, out: str, name: str) -> None:
     (tmp_path / "a.txt").write_text("x")
     (tmp_path / "a.usda").write_bytes(USDA)
-    with pytest.raises(ConvertError) as caught:
+    with refused(name):
         run_convert(tmp_path / stage, tmp_path / out)
-    assert caught.value.name == name
 
 
 def package(entries: list[tuple[str, bytes]], compression: int = zipfile.ZIP_STORED) -> bytes:
@@ -274,9 +272,8 @@ def test_bad_packages_are_refused_before_usd_sees_them(
 ) -> None:
     stage = tmp_path / "a.usdz"
     stage.write_bytes(data)
-    with pytest.raises(ConvertError) as caught:
+    with refused(name):
         run_convert(stage, tmp_path / "a.glb")
-    assert caught.value.name == name
     assert [path.name for path in tmp_path.iterdir()] == ["a.usdz"]
 
 
@@ -284,9 +281,8 @@ def test_total_size_of_a_package_is_limited(tmp_path: Path) -> None:
     stage = tmp_path / "a.usdz"
     stage.write_bytes(package([("a.usda", USDA), ("b.png", bytes(1000))]))
     check_package(stage)
-    with pytest.raises(ConvertError) as caught:
+    with refused("usdz-size"):
         check_package(stage, PackageLimits(unpacked_bytes=1000))
-    assert caught.value.name == "usdz-size"
 
 
 def test_every_package_of_the_corpus_that_usd_opens_passes(corpus: Path) -> None:

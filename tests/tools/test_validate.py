@@ -10,7 +10,6 @@ import numpy as np
 import pygltflib as gl
 import pytest
 from handwritten_gltf import HandFile, HandMesh
-from reflet_usd import cli
 from reflet_usd.validate.validation import Validation, validate_file
 from texts import text_of
 
@@ -238,30 +237,23 @@ def test_a_warning_elsewhere_excuses_nothing(tmp_path: Path) -> None:
     assert "carried" in failing(validation_of(tmp_path, lose_sheet, warnings))
 
 
-def test_command_prints_json_and_exit_codes(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_command_prints_json_and_exit_codes(tmp_path: Path, run_cli: Callable) -> None:
     validation_of(tmp_path)
-    out, stage = str(tmp_path / "out.glb"), str(tmp_path / "stage.usda")
-    options = ["--against", stage, "--no-khronos", "--json"]
-    assert cli.main(["validate", out, *options]) == 0
-    assert json.loads(capsys.readouterr().out)["passed"] is True
-    build(move_vertex).write(Path(out))
-    assert cli.main(["validate", out, "--against", stage, "--no-khronos"]) == 3
-    assert "FAILED" in capsys.readouterr().out
-    assert cli.main(["validate", str(tmp_path / "none.glb")]) == 2
-    broken = tmp_path / "broken.usda"
+    out, stage, broken = (tmp_path / name for name in ("out.glb", "stage.usda", "broken.usda"))
+    command = ["validate", out, "--no-khronos", "--against"]
+    assert json.loads(run_cli(0, *command, stage, "--json").out)["passed"] is True
+    build(move_vertex).write(out)
+    assert "FAILED" in run_cli(3, *command, stage).out
+    run_cli(2, "validate", tmp_path / "none.glb")
     broken.write_text("#usda 1.0\ndef Cube {")
-    assert cli.main(["validate", out, "--against", str(broken), "--no-khronos"]) == 1
-    assert "[stage-unreadable]" in capsys.readouterr().err
-    Path(out).write_bytes(b"glTF\2\0\0\0\xff\xff\xff\x7f")
-    assert cli.main(["validate", out, "--against", stage, "--no-khronos"]) == 3
+    assert "[stage-unreadable]" in run_cli(1, *command, broken).err
+    out.write_bytes(b"glTF\2\0\0\0\xff\xff\xff\x7f")
+    run_cli(3, *command, stage)
 
 
 def test_missing_validator_tells_the_command(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, run_cli: Callable
 ) -> None:
     monkeypatch.setenv("REFLET_GLTF_VALIDATOR", str(tmp_path))
     out = build().write(tmp_path / "out.glb")
-    assert cli.main(["validate", str(out)]) == 1
-    assert "gltf-validator" in capsys.readouterr().err
+    assert "gltf-validator" in run_cli(1, "validate", out).err

@@ -1,36 +1,22 @@
 """The validator's edge cases: empty areas, NaN, deep trees, splines, and excuses by warnings."""
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 from handwritten_gltf import HandFile
-from material_stages import shaded, stage, texture
+from material_stages import shaded, texture
 from PIL import Image
 from pxr import Sdf
 from read_converted import Converted, convert_text
-from reflet_usd import cli
 from reflet_usd.validate import validation as validation_module
 from reflet_usd.validate.checks import Check, Checks
 from reflet_usd.validate.validation import Validation, validate_file
 from texts import fill, text_of
 
 QUAD = text_of("validate_edges/quad.usda")
-
-
-def passing(done: Converted, **compared: int) -> Validation:
-    """Compare a stage with its own output, which passes, by so many comparisons of a check."""
-    validation = done.validated()
-    assert validation.passed, [check.to_json() for check in validation.checks if not check.passed]
-    for name, count in compared.items():
-        assert check_of(validation, name).compared == count
-    return validation
-
-
-def passing_text(folder: Path, text: str, **compared: int) -> Validation:
-    """Convert a stage and compare it with its own output, as `passing` does."""
-    return passing(convert_text(folder, text), **compared)
 
 
 def check_of(validation: Validation, name: str) -> Check:
@@ -59,20 +45,16 @@ AGREEING = {
 
 @pytest.mark.parametrize("name", AGREEING)
 def test_a_stage_agrees_with_its_file(tmp_path: Path, name: str) -> None:
-    validation = passing_text(tmp_path, text_of(f"validate_edges/{name}.usda"))
-    for check, count in AGREEING[name].items():
-        assert check_of(validation, check).compared >= count
+    convert_text(tmp_path, text_of(f"validate_edges/{name}.usda")).agreeing(**AGREEING[name])
 
 
 @pytest.mark.parametrize("scale", ["(0, 0, 0)", "(0, 1, 1)", "(1, 1, 0)", "(1e-20, 1e-20, 1e-20)"])
 def test_flattened_surfaces_are_compared_by_corners(tmp_path: Path, scale: str) -> None:
-    validation = passing_text(tmp_path, scaled(scale))
-    assert check_of(validation, "positions").compared >= 2
+    convert_text(tmp_path, scaled(scale)).agreeing(positions=2)
 
 
 def test_normals_of_surfaces_that_are_not_flattened_still_count(tmp_path: Path) -> None:
-    validation = passing_text(tmp_path, scaled("(1, 1, 0.001)"))
-    assert check_of(validation, "normals").compared >= 2
+    convert_text(tmp_path, scaled("(1, 1, 0.001)")).agreeing(normals=2)
 
 
 def deep_file(folder: Path, depth: int) -> Path:
@@ -85,25 +67,22 @@ def deep_file(folder: Path, depth: int) -> Path:
 
 
 def test_a_crash_of_the_khronos_validator_is_named(
-    tmp_path: Path, khronos: None, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, khronos: None, run_cli: Callable
 ) -> None:
-    out = deep_file(tmp_path, 20_000)
-    assert cli.main(["validate", str(out)]) == 1
-    shown = capsys.readouterr().err
+    shown = run_cli(1, "validate", deep_file(tmp_path, 20_000)).err
     assert "[validator-crash]" in shown
     assert "dart.js" not in shown
 
 
 def test_a_blunder_of_the_check_is_named(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, run_cli: Callable
 ) -> None:
     def blunder(*_: object) -> None:
         raise ZeroDivisionError("float division by zero")
 
     out = deep_file(tmp_path, 1)
     monkeypatch.setattr(validation_module, "OutputReader", blunder)
-    assert cli.main(["validate", str(out), "--no-khronos"]) == 1
-    shown = capsys.readouterr().err
+    shown = run_cli(1, "validate", out, "--no-khronos").err
     assert "[validate-internal]" in shown
     assert "Traceback" not in shown
 
@@ -141,8 +120,7 @@ def test_moving_points_are_compared_between_their_keys(tmp_path: Path) -> None:
     text = text_of(
         "validate_edges/moving_points_are_compared_between_their_keys.usda", frames=frames
     )
-    validation = passing_text(tmp_path, text)
-    assert check_of(validation, "positions").compared >= 7
+    convert_text(tmp_path, text).agreeing(positions=7)
     changed = text.replace("(0, 3, 0)", "(0, 3.1, 0)")
     (tmp_path / "stage.usda").write_text(
         '#usda 1.0\n(\n    metersPerUnit = 1\n    upAxis = "Y"\n)\n' + changed
@@ -219,7 +197,7 @@ def test_inputs_that_gltf_lacks_are_named_and_else_silent(
     schemas = f' (prepend apiSchemas = ["{api}"])' if api else ""
     done = convert_text(tmp_path, f'def {kind} "L"{schemas}\n{{\n{body}\n}}\n')
     assert name in done.warnings("/L")
-    validation = passing(done)
+    validation = done.agreeing()
     declared = [finding.declared for finding in check_of(validation, "inputs").findings]
     assert declared.count(name) == 1
     sidecar = Path(f"{done.out}.json")
@@ -232,11 +210,10 @@ def test_inputs_that_gltf_lacks_are_named_and_else_silent(
 
 def test_equal_factors_for_both_reflections_scale_the_light(tmp_path: Path) -> None:
     text = text_of("validate_edges/equal_factors_for_both_reflections_scale_the_light.usda")
-    done = convert_text(tmp_path, text)
+    done = convert_text(tmp_path, text).proven()
     entry = done.json["extensions"]["KHR_lights_punctual"]["lights"][0]
     assert entry["intensity"] == pytest.approx(12.5)
     assert done.warnings("/L") == set()
-    assert done.validated().passed
 
 
 def texture_of(name: str, varname: str) -> str:
@@ -257,7 +234,7 @@ def test_textures_of_two_uv_sets_in_one_read_the_first(tmp_path: Path) -> None:
     Image.fromarray(pixels).save(tmp_path / "rgb.png")
     done = convert_text(tmp_path, TWO_UVS)
     assert "texture-packed-transform" in done.warnings()
-    passing(done)
+    done.agreeing()
     Path(f"{done.out}.json").write_text('{"warnings": []}')
     silent = done.validated()
     assert not check_of(silent, "uvs").passed
@@ -269,8 +246,7 @@ def test_normals_of_moving_points_count_at_their_keys_only(tmp_path: Path) -> No
     text = text_of(
         "validate_edges/normals_of_moving_points_count_at_their_keys_only.usda", frames=frames
     )
-    validation = passing_text(tmp_path, text)
-    assert check_of(validation, "normals").compared >= 2
+    validation = convert_text(tmp_path, text).agreeing(normals=2)
     assert check_of(validation, "positions").compared > check_of(validation, "normals").compared
 
 
@@ -280,7 +256,7 @@ PROJECTIVE = text_of("validate_edges/projective.usda")
 @pytest.mark.parametrize("kind", ["Cube", "Sphere"])
 @pytest.mark.parametrize("column", ["0", "0.25"])
 def test_points_are_divided_by_w(tmp_path: Path, kind: str, column: str) -> None:
-    validation = passing_text(tmp_path, fill(PROJECTIVE, kind=kind, column=column))
+    validation = convert_text(tmp_path, fill(PROJECTIVE, kind=kind, column=column)).agreeing()
     assert not any(check.declared for check in validation.checks)
 
 
@@ -307,7 +283,7 @@ ORIENT = text_of("validate_edges/orient.usda")
 
 @pytest.mark.parametrize("kind", ["quath", "quatf", "quatd"])
 def test_orientations_of_any_length_turn_as_usd_turns_them(tmp_path: Path, kind: str) -> None:
-    validation = passing_text(tmp_path, fill(ORIENT, kind=kind))
+    validation = convert_text(tmp_path, fill(ORIENT, kind=kind)).agreeing()
     assert check_of(validation, "matrices").declared == 0
 
 
@@ -318,15 +294,14 @@ def test_every_output_of_a_texture_reaches_the_emission(tmp_path: Path, output: 
     Image.fromarray(pixels).save(tmp_path / "t.png")
     scaled_texture = texture("T", "t.png", "float4 inputs:scale = (0.5, 0.25, 1, 0.75)")
     inputs = f"color3f inputs:emissiveColor.connect = </Mat/T.outputs:{output}>"
-    validation = passing_text(tmp_path, stage(inputs, scaled_texture))
+    validation = shaded(tmp_path, inputs, scaled_texture).agreeing(materials=1)
     assert "prim-damaged" not in {warning["name"] for warning in validation.warnings}
-    assert check_of(validation, "materials").compared > 0
 
 
 def test_weights_that_are_no_numbers_are_zero(tmp_path: Path, stages: Path) -> None:
     text = (stages / "skin.usda").read_text()
     assert "0: [0]," in text
-    validation = passing_text(tmp_path, text.replace("0: [0],", "0: [nan],"))
+    validation = convert_text(tmp_path, text.replace("0: [0],", "0: [nan],")).agreeing()
     assert check_of(validation, "skinning").declared == 0
 
 
@@ -338,7 +313,7 @@ def test_a_smaller_texture_is_compared_as_it_was_enlarged(tmp_path: Path) -> Non
     inputs += "float inputs:metallic.connect = </Mat/B.outputs:b>"
     done = shaded(tmp_path, inputs, texture("A", "small.png") + texture("B", "large.png"))
     assert "texture-repacked" in done.warnings("/Mat/A")
-    passing(done)
+    done.agreeing()
     other = np.random.default_rng(9).integers(0, 255, (8, 8, 3), dtype=np.uint8)
     Image.fromarray(other).save(tmp_path / "small.png")
     assert not done.validated().passed
@@ -355,16 +330,16 @@ def test_the_stage_is_read_from_the_folders_of_the_conversion(
     text = 'def "X" (references = @../far/part.usda@)\n{\n}\ndef Cube "Unit"\n{\n}\n'
     roots = (tmp_path / "far",) if allowed else ()
     done = convert_text(tmp_path / "near", text, extra_roots=roots)
-    validation = passing(done, positions=1 + allowed)
+    validation = done.agreeing()
+    assert check_of(validation, "positions").compared == 1 + allowed
     assert validation.roots == [str(tmp_path / "near"), *map(str, roots)]
 
 
 def test_a_sphere_light_without_radius_shines_as_a_point(tmp_path: Path) -> None:
     body = "bool treatAsPoint = 1\nfloat inputs:radius = 0\nfloat inputs:intensity = 8\n"
-    done = convert_text(tmp_path, f'def SphereLight "L"\n{{\n{body}}}\n')
+    done = convert_text(tmp_path, f'def SphereLight "L"\n{{\n{body}}}\n').proven()
     stored = done.json["extensions"]["KHR_lights_punctual"]["lights"][0]
     assert stored["intensity"] == pytest.approx(2.0)
-    assert done.validated().passed
 
 
 def test_curves_under_a_skeleton_are_carried_at_rest(tmp_path: Path, stages: Path) -> None:

@@ -104,11 +104,9 @@ def test_another_orientation_of_the_stage_is_found(tmp_path: Path) -> None:
 
 
 def test_a_negative_size_is_still_on_its_surface(tmp_path: Path) -> None:
-    done = convert_text(tmp_path, 'def Sphere "G"\n{\ndouble radius = -1\n}\n')
-    assert done.validated().passed
+    convert_text(tmp_path, 'def Sphere "G"\n{\ndouble radius = -1\n}\n').proven()
 
 
 def test_a_flattened_sphere_passes(tmp_path: Path) -> None:
     body = 'float3 xformOp:scale = (1, 1, 0)\nuniform token[] xformOpOrder = ["xformOp:scale"]'
-    done = convert_text(tmp_path, f'def Sphere "G"\n{{\n{body}\n}}\n')
-    assert done.validated().passed
+    convert_text(tmp_path, f'def Sphere "G"\n{{\n{body}\n}}\n').proven()

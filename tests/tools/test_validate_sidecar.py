@@ -43,5 +43,4 @@ def test_brackets_in_a_folder_are_no_package(tmp_path: Path) -> None:
     folder = tmp_path / "odd #[0] [x]"
     folder.mkdir()
     save(folder, "t.png", noise("RGB", (16, 16)))
-    done = convert_text(folder, TEXTURED)
-    assert done.validated().passed
+    convert_text(folder, TEXTURED).proven()
