@@ -77,9 +77,3 @@ def test_plane_width_and_length(
     assert face / np.linalg.norm(face, axis=1, keepdims=True) == pytest.approx(
         np.tile(normal, (2, 1))
     )
-
-
-def test_a_size_that_is_not_finite_is_named(tmp_path: Path) -> None:
-    done = convert_text(tmp_path, 'def Sphere "G" {\n double radius = nan\n}')
-    assert "points-non-finite" in done.warnings("/G")
-    assert not done.json.get("meshes")

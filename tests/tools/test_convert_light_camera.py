@@ -264,22 +264,6 @@ def test_lenses_are_shifted_and_zoom_as_the_stage_says(tmp_path: Path) -> None:
         assert done.warnings("/L") == set()
 
 
-@pytest.mark.parametrize(
-    ("line", "warning"),
-    [
-        ("float2 clippingRange = (-1, 5)", "camera-clip-invalid"),
-        ("float focalLength = 0", "camera-invalid"),
-        ("float verticalAperture = nan", "camera-invalid"),
-        (
-            "float fStop.timeSamples = { 1: 2, 24: 4 }",
-            "camera-animation-frozen",
-        ),
-    ],
-)
-def test_odd_cameras_are_named(tmp_path: Path, line: str, warning: str) -> None:
-    assert warning in convert_light(tmp_path, "Camera", line).warnings("/L")
-
-
 @pytest.mark.parametrize("value", ["nan", "inf", "1e-45", "3e38"])
 @pytest.mark.parametrize("name", ["verticalAperture", "horizontalAperture", "focalLength"])
 def test_lenses_beyond_all_numbers_make_no_camera(tmp_path: Path, name: str, value: str) -> None:

@@ -104,12 +104,6 @@ def test_random_matrices_are_rebuilt() -> None:
         assert nearest_trs(matrix).matrix() == pytest.approx(matrix, abs=1e-9)
 
 
-def test_a_transform_that_is_not_finite_is_named(tmp_path: Path) -> None:
-    text = text_of("convert_xform/a_transform_that_is_not_finite_is_named.usda")
-    done = convert_text(tmp_path, text)
-    assert "transform-non-finite" in done.warnings("/C")
-
-
 def test_frames_cut_the_keys(tmp_path: Path) -> None:
     text = text_of("convert_xform/frames_cut_the_keys.usda")
     done = convert_text(tmp_path, text, frames=(12.0, 36.0))
