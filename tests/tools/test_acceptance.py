@@ -20,19 +20,16 @@ def scene(*, verified: float, small: tuple[float, float], large: tuple[float, fl
     }
 
 
-def test_a_threshold_that_costs_more_is_not_taken() -> None:
-    of = {"a": scene(verified=0.01, small=(0.001, 120.0), large=(0.02, 90.0))}
-    assert acceptance.best_threshold(of, ["a"], lambda s: s.flip) == ("threshold", 0.1)
-
-
-def test_of_those_that_cost_no_more_the_best_is_taken() -> None:
-    of = {"a": scene(verified=0.01, small=(0.001, 99.0), large=(0.02, 90.0))}
-    assert acceptance.best_threshold(of, ["a"], lambda s: s.flip) == ("threshold", 0.01)
-
-
-def test_where_all_cost_more_the_cheapest_is_taken() -> None:
-    of = {"a": scene(verified=0.01, small=(0.001, 140.0), large=(0.02, 120.0))}
-    assert acceptance.best_threshold(of, ["a"], lambda s: s.flip) == ("threshold", 0.1)
+@pytest.mark.parametrize(
+    ("small_nodes", "large_nodes", "threshold"),
+    [(120.0, 90.0, 0.1), (99.0, 90.0, 0.01), (140.0, 120.0, 0.1)],
+    ids=["that costs no more", "best of them", "cheapest"],
+)
+def test_the_best_threshold_that_costs_no_more_is_taken_else_the_cheapest(
+    small_nodes: float, large_nodes: float, threshold: float
+) -> None:
+    of = {"a": scene(verified=0.01, small=(0.001, small_nodes), large=(0.02, large_nodes))}
+    assert acceptance.best_threshold(of, ["a"], lambda s: s.flip) == ("threshold", threshold)
 
 
 def test_a_scene_does_not_choose_its_own_threshold() -> None:
