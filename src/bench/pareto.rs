@@ -67,18 +67,18 @@ pub struct Costs {
 /// Share of the rays at which `hybrid` costs as much as `rt`: below it marching first pays.
 /// Under 0 it never pays, over 1 always. None where `rt` traces nothing.
 ///
-/// `hybrid` costs march + share · rays · cost per ray, `rt` its full trace; a ray of `hybrid` may
-/// cost more than one of `rt`, since its remaining rays are scattered and hits are shaded beside them.
+/// The time of tracing and shading is interpolated by the share of rays, between `hybrid` as measured and `rt`, whose
+/// share is 1: all hits of the march are shaded, so that a ray less saves its traversal alone.
 pub fn break_even_share(costs: &Costs) -> Option<f64> {
     if costs.full_rays <= 0.0 || costs.full_trace_ms <= 0.0 {
         return None;
     }
-    let ray_ms = if costs.partial_rays > 0.0 && costs.partial_trace_ms > 0.0 {
-        costs.partial_trace_ms / costs.partial_rays
-    } else {
-        costs.full_trace_ms / costs.full_rays
-    };
-    Some((costs.full_trace_ms - costs.march_ms) / (ray_ms * costs.full_rays))
+    let saved_share = 1.0 - costs.partial_rays / costs.full_rays;
+    let saved_ms = costs.full_trace_ms - costs.partial_trace_ms;
+    if saved_ms <= 0.0 || saved_share <= 0.0 {
+        return Some(0.0);
+    }
+    Some(1.0 - costs.march_ms * saved_share / saved_ms)
 }
 
 #[cfg(test)]
@@ -128,20 +128,19 @@ mod tests {
             full_rays: 1000.0,
         };
         let share = break_even_share(&costs).expect("rays");
-        let hybrid_ms = costs.march_ms + share * 1000.0 * 3.0 / 200.0;
+        let hybrid_ms = costs.march_ms + 3.0 + (share - 0.2) / (1.0 - 0.2) * (10.0 - 3.0);
         assert!((hybrid_ms - 10.0).abs() < 1e-12 && share < 1.0);
         let slow = Costs {
             march_ms: 11.0,
             ..costs
         };
         assert!(break_even_share(&slow).expect("rays") < 0.0);
-        // Without rays of its own, `hybrid` is charged what a ray of `rt` costs.
-        let screen_only = Costs {
-            partial_rays: 0.0,
-            partial_trace_ms: 0.1,
+        // Where `hybrid` saves no time of tracing, marching never pays.
+        let idle = Costs {
+            partial_trace_ms: 10.0,
             ..costs
         };
-        assert_eq!(break_even_share(&screen_only), Some(0.8));
+        assert_eq!(break_even_share(&idle), Some(0.0));
         let nothing = Costs {
             full_rays: 0.0,
             ..costs

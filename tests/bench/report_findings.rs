@@ -15,8 +15,8 @@ fn sentences_compare_at_equal_time_and_error_and_name_the_break_even() {
         "at FLIP 0.0100 or less, hybrid, steps = 128 takes 9.00 ms and rt, steps = 3 takes \
          10.0 ms; hybrid takes 10.0 % less (faster in 6 of 6 pairs of \
          frames). ssr never errs so little.",
-        // Break-even: (3.0 − 1.0) / (1.0 / 250 · 1000).
-        "marching first pays while it leaves less than 50.0 % of the rays",
+        // Break-even: 1 − 1.0 · 0.75 / (3.0 − 1.0).
+        "marching first pays while it leaves less than 62.5 % of the rays",
         "traces 25.0 % of rt's rays",
         "n is too small for percentiles",
     ] {
