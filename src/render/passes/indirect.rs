@@ -10,7 +10,7 @@ pub const PASS: Pass = Pass {
     group: PassGroup::Light,
     color: [190, 120, 55],
     aliases: &[("path_light", &[Target::IndirectLight])],
-    leaves: paths::OF_MIRRORS,
+    leaves: &[Target::Cause, Target::Hit, Target::Ids],
     reads_shared: &[ShadowMaps],
     needed: |plan, _| plan.features.indirect,
     ..paths::SHARED

@@ -20,9 +20,6 @@ pub const SHARED: Pass = Pass {
     ..Pass::DEFAULT
 };
 
-/// Targets of mirror rays alone.
-pub const OF_MIRRORS: &[Target] = &[Target::Cause, Target::Hit];
-
 gpu_struct! {
     /// Uniforms of a pass that follows paths.
     pub struct Params = "Params" {

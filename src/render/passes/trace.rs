@@ -11,6 +11,7 @@ pub const PASS: Pass = Pass {
     group: PassGroup::Reflection,
     color: [231, 76, 116],
     aliases: &[("path_light", &[Target::Reflection])],
+    leaves: &[Target::Ids],
     reads_shared: &[Counters, ShadowMaps, PixelLists, DispatchSizes, MethodMaps],
     needed: |plan, options| {
         plan.features.reflections && (ssr::is_enabled(options) || is_enabled(options))

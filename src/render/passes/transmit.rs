@@ -10,7 +10,7 @@ pub const PASS: Pass = Pass {
     group: PassGroup::Light,
     color: [253, 208, 126],
     aliases: &[("path_light", &[Target::TransmittedLight])],
-    leaves: paths::OF_MIRRORS,
+    leaves: &[Target::Cause, Target::Hit],
     needed: |plan, _| plan.features.transmission,
     ..paths::SHARED
 };
