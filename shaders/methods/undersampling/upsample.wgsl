@@ -115,7 +115,7 @@ fn follow_neighbors(pixel: vec2u) -> bool {
     keep_cause(pixel, around.cause);
     is_known = true;
     known_hit = Hit(met.distance_m, id.x, id.y, met.bary, 0u);
-    textureStore(reflection, pixel, stored(mirrored_light(pixel, first, ray, first.position)));
+    textureStore(reflection, pixel, stored(mirrored_light(pixel, first, ray, origin)));
     store_hit(pixel, vec4u(bitcast<u32>(met.distance_m), id, 0u));
     return true;
 }

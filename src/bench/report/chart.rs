@@ -248,7 +248,7 @@ where
 fn x_title(group: &Group, time: Time) -> &'static str {
     let timed = group.points.iter().all(|p| p.reflection_ms.is_some());
     match (time, timed) {
-        (Time::Reflection, _) => "milliseconds of march, hits, trace and blur",
+        (Time::Reflection, _) => "milliseconds of march, trace and blur",
         (Time::Frame, true) => "milliseconds a frame (passes that all share: one median)",
         (Time::Frame, false) => "milliseconds a frame (wall time)",
     }
