@@ -32,7 +32,7 @@ use crate::{
         stages::Scene,
         suggest::setting,
     },
-    world::{Light, World, bvh::Trees},
+    world::{Instance, Light, World, bvh::Trees},
 };
 
 /// Maximum number of triangles of a scene in which lint rays are traced, so that a check takes seconds.
@@ -135,7 +135,7 @@ impl<'a> Lint<'a> {
         found.extend(shadow::memory(scene, world));
         let is_traced = traces_rays(world, &RenderOptions::for_scene(scene));
         found.extend(size::lint(world, is_traced, at));
-        let triangles = |i: &crate::world::Instance| world.meshes[i.mesh].triangles.len();
+        let triangles = |i: &Instance| world.meshes[i.mesh].triangles.len();
         let total: usize = world.instances.iter().map(triangles).sum();
         if total > MOST_TRIANGLES || world.instances.is_empty() {
             return;
@@ -253,14 +253,19 @@ fn variant_keys(scene: &Scene) -> HashSet<String> {
 
 /// Whether there is any light: an environment, a light or an emissive instance.
 fn is_lit(world: &World) -> bool {
-    let shines =
-        |light: &Light| light.desc.color.max_element() > 0.0 && light.desc.kind.intensity() > 0.0;
-    let emits = |i: &crate::world::Instance| {
-        !i.is_hidden() && world.materials[i.material].emission.max_element() > 0.0
-    };
     !world.environment.is_black()
         || world.all_lights().any(shines)
-        || world.instances.iter().any(emits)
+        || world.instances.iter().any(|i| emits(world, i))
+}
+
+/// Whether a light has brightness.
+fn shines(light: &Light) -> bool {
+    light.desc.color.max_element() > 0.0 && light.desc.kind.intensity() > 0.0
+}
+
+/// Whether an instance is shown and emits light.
+fn emits(world: &World, instance: &Instance) -> bool {
+    !instance.is_hidden() && world.materials[instance.material].emission.max_element() > 0.0
 }
 
 /// Warnings about parameters that the script does not read.

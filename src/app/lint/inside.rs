@@ -4,14 +4,19 @@ use std::{cell::Cell, collections::HashMap, f64::consts::TAU};
 
 use glam::{DVec3, Vec3};
 
+use super::{
+    emits, shines,
+    solids::{may_change, transmits},
+    text::related,
+};
 use crate::{
     math::{in_f64, invertible},
     scene::{
-        desc::{LightKind, ShadowMode},
+        desc::{LightKind, PatternedKey, ShadowMode},
         diagnostic::Diagnostic,
         stages::Scene,
     },
-    world::{Instance, Posed, World, bvh::capsule::Capsule},
+    world::{Instance, Material, Posed, World, bvh::capsule::Capsule},
 };
 
 /// Largest mesh that is tested for being closed, triangles.
@@ -23,7 +28,6 @@ const MOST_WORK: usize = 50_000_000;
 /// Warnings about lights of the scene text inside of a closed shape that their light cannot leave, while no
 /// camera is inside of it too.
 pub fn lights(scene: &Scene, world: &World) -> Vec<Diagnostic> {
-    let walks = scene.reflection.settled().diffuse_bounces > 0;
     let mut closed = Closed::new(world);
     let mut found = Vec::new();
     let cameras: Vec<Vec3> = world.cameras.iter().map(|c| c.value.eye).collect();
@@ -37,12 +41,8 @@ pub fn lights(scene: &Scene, world: &World) -> Vec<Diagnostic> {
         around.retain(|i| {
             let around = &world.instances[*i];
             let material = &world.materials[around.material];
-            // Walks through wax find lights with a size.
-            let is_met = !material.scatters() || (walks && light.desc.kind.has_size());
-            let passes =
-                material.passes_light() || material.diffuse_transmission.is_some() && is_met;
             around.shown.casts_shadow
-                && !passes
+                && !lets_out(scene, material, &light.desc.kind)
                 && !cameras.iter().any(|eye| closed.contains(*i, *eye))
                 && surface.iter().all(|at| closed.contains(*i, *at))
         });
@@ -65,6 +65,37 @@ pub fn lights(scene: &Scene, world: &World) -> Vec<Diagnostic> {
         }
     }
     found
+}
+
+/// Whether the shell around a light lets some of its light out.
+fn lets_out(scene: &Scene, shell: &Material, light: &LightKind) -> bool {
+    let is_met = !shell.scatters() || has_walks(scene) && light.has_size();
+    if may_change(scene, &shell.name) {
+        return shell.passes_light() || shell.diffuse_transmission.is_some() && is_met;
+    }
+    shell.blended
+        || transmits(shell, PatternedKey::Transmission)
+        || transmits(shell, PatternedKey::DiffuseTransmission) && is_met
+}
+
+/// Whether walks follow light inside of solids that scatter, which find lights with a size.
+fn has_walks(scene: &Scene) -> bool {
+    scene.reflection.settled().diffuse_bounces > 0
+}
+
+/// Whether light comes out of a solid that scatters, which walks find and straight rays miss.
+pub fn shines_by_walks(scene: &Scene, world: &World) -> bool {
+    let mut closed = Closed::new(world);
+    let lights = world.all_lights().filter(|light| shines(light));
+    let lamps = lights.map(|light| &light.desc.kind);
+    let lamps = lamps.filter_map(|kind| kind.position().filter(|_| kind.has_size()));
+    let emitters = world.instances.iter().filter(|i| emits(world, i));
+    let emitters = emitters.map(|i| world.bounds_of(i).center());
+    let is_in_wax = |at| {
+        let mut around = closed.around(at).into_iter();
+        around.any(|i| world.materials[world.instances[i].material].scatters())
+    };
+    has_walks(scene) && lamps.chain(emitters).any(is_in_wax)
 }
 
 /// Warnings about cameras of the scene text inside of a closed shape with nothing else in it, so that it is
@@ -156,17 +187,6 @@ fn surface(kind: &LightKind, position: Vec3) -> Vec<Vec3> {
         .iter()
         .flat_map(|step| [position + *step, position - *step]);
     both.collect()
-}
-
-/// Adds the place of an instance to a warning, if the text has one.
-pub fn related(warning: Diagnostic, scene: &Scene, world: &World, instance: usize) -> Diagnostic {
-    match world.place_of(scene, instance) {
-        Some(at) => {
-            let name = &world.instances[instance].name;
-            warning.related(at.clone(), format!("\"{name}\" is here"))
-        }
-        None => warning,
-    }
 }
 
 /// Tests whether points are inside of closed instances; remembers which meshes are closed.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 
-use super::inside::related;
+use super::text::related;
 use crate::{
     math::{Bounds, in_f64},
     render::decide::view_rays::ViewRays,

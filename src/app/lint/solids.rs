@@ -1,21 +1,19 @@
 //! Solids whose inside does nothing, and solids through which the light of a lamp is not found.
 
-use std::collections::HashSet;
-
 use super::{
-    inside::related,
-    text::{two_digits, warning},
+    shines,
+    text::{related, two_digits, warning},
 };
 use crate::{
     scene::{
         desc::{
-            Entry, LightKind, MaterialDesc, Method, ModelDesc, ModelSource, NEEDING, PatternedKey,
-            ShadowMode, ShapeDesc,
+            InstanceMaterialDesc, LightKind, MaterialDesc, Method, ModelDesc, ModelSource, NEEDING,
+            PatternedKey, ShadowMode, ShapeDesc,
         },
-        diagnostic::Diagnostic,
+        diagnostic::{Diagnostic, Span},
         stages::Scene,
     },
-    world::{Instance, Material, World},
+    world::{Light, Material, World},
 };
 
 /// Optical depth of the whole way through a solid below which nothing of its scattering is seen.
@@ -35,6 +33,22 @@ pub fn unseen(scene: &Scene, world: &World) -> Vec<Diagnostic> {
     let mut found = idle_scattering(scene, world);
     found.extend(lost_light(scene, world));
     found
+}
+
+/// Whether light passes through the surface somewhere, by a transmission of this kind.
+pub fn transmits(material: &Material, kind: PatternedKey) -> bool {
+    let color = match kind {
+        PatternedKey::DiffuseTransmission => PatternedKey::DiffuseTransmissionColor,
+        _ => PatternedKey::BaseColor,
+    };
+    let is_metal = material.extremes(PatternedKey::Metallic)[0] >= 1.0
+        && material.metallic_roughness_texture.is_none();
+    !is_metal && [kind, color].map(|key| material.extremes(key)[1] > 0.0) == [true; 2]
+}
+
+/// Whether other frames may give the materials of this name other values.
+pub fn may_change(scene: &Scene, name: &str) -> bool {
+    scene.has_frame_script() || scene.motion.materials.iter().any(|it| it.name == name)
 }
 
 /// Solids that light passes through, of shapes with an open rim, at which no light enters or leaves.
@@ -65,36 +79,60 @@ fn open(scene: &Scene, world: &World) -> Vec<Diagnostic> {
     found.collect()
 }
 
-/// Materials at rest whose `scattering_color` changes nothing by the values of other keys; keys that are missing are
-/// told beside all others.
+/// Materials at rest, and keys that instances lay over materials, whose `scattering_color` changes nothing by the values
+/// of other keys; keys of a material that are missing are told beside all others.
 fn idle_scattering(scene: &Scene, world: &World) -> Vec<Diagnostic> {
-    if scene.has_frame_script() {
-        return Vec::new();
-    }
-    let moved: HashSet<_> = scene.motion.materials.iter().map(|it| &it.name).collect();
     let lacks_keys = |it: &MaterialDesc| {
         let mut needing = NEEDING.iter().filter(|key| key.key == "scattering_color");
         needing.any(|key| (key.is_alone)(it))
     };
-    let is_asked = |entry: &&Entry<MaterialDesc>| {
-        let color = entry.value.scattering_color.unwrap_or_default();
-        color.max_element() > 0.0 && !moved.contains(&entry.name) && !lacks_keys(&entry.value)
+    let is_asked = |it: &MaterialDesc| it.scattering_color.is_some_and(|c| c.max_element() > 0.0);
+    let material = |i: usize| &world.materials[world.instances[i].material];
+    let shown = || (0..world.instances.len()).filter(|&i| !world.instances[i].is_hidden());
+    let written = |i: usize| world.written.get(i).copied().flatten();
+    let overrides = |index: usize| match scene.instances.get(index)?.material.as_ref()? {
+        InstanceMaterialDesc::Override(keys) => Some(&**keys),
+        InstanceMaterialDesc::Named(_) => None,
     };
-    let found = scene.materials.iter().filter(is_asked).filter_map(|entry| {
-        let shown =
-            |i: &&Instance| !i.is_hidden() && world.materials[i.material].name == entry.name;
-        let size_m = |i: &Instance| world.bounds_of(i).diagonal();
-        let mut all = world.instances.iter().filter(shown);
-        let first = all.next()?;
-        let size_m = all.map(size_m).fold(size_m(first), f32::max);
-        let (why, help) = idle_by(&world.materials[first.material], size_m)?;
-        let message = format!(
-            "material \"{}\" {why}, so `scattering_color` changes nothing",
-            entry.name
-        );
-        Some(warning("ignored-key", &entry.at, message, &help))
-    });
-    found.collect()
+    let idle = |all: &[usize], subject: String, at: &Span| {
+        let instances = all.iter().map(|i| &world.instances[*i]);
+        let sizes_m = instances.map(|i| world.bounds_of(i).diagonal());
+        let size_m = sizes_m.fold(0.0, f32::max);
+        let changes = |i: &usize| may_change(scene, &material(*i).name);
+        let is_idle = |i: &usize| !changes(i) && idle_by(material(*i), size_m).is_some();
+        let first = all.iter().all(is_idle).then(|| all.first())??;
+        let (why, help) = idle_by(material(*first), size_m)?;
+        let message = format!("{subject} {why}, so `scattering_color` changes nothing");
+        Some(warning("ignored-key", at, message, &help))
+    };
+    let mut found = Vec::new();
+    for entry in &scene.materials {
+        if !is_asked(&entry.value) || lacks_keys(&entry.value) {
+            continue;
+        }
+        let mut all: Vec<_> = shown()
+            .filter(|i| material(*i).name == entry.name)
+            .collect();
+        // Keys that an instance lays over the material are no fault of the material.
+        let is_overridden = |i: &usize| written(*i).and_then(overrides).is_some();
+        all.sort_by_key(is_overridden);
+        if all.first().is_some_and(|i| !is_overridden(i)) {
+            let subject = format!("material \"{}\"", entry.name);
+            found.extend(idle(&all, subject, &entry.at));
+        }
+    }
+    for (index, instance) in scene.instances.iter().enumerate() {
+        if !overrides(index).is_some_and(is_asked) {
+            continue;
+        }
+        let all: Vec<_> = shown().filter(|i| written(*i) == Some(index)).collect();
+        let is_dense = |i: &usize| material(*i).attenuation_distance_m.is_some();
+        if all.iter().all(is_dense) && !all.is_empty() {
+            let subject = format!("the material of \"{}\"", world.instances[all[0]].name);
+            found.extend(idle(&all, subject, &instance.at));
+        }
+    }
+    found
 }
 
 /// Reason why a material scatters nothing inside of a solid of this size, and advice.
@@ -131,32 +169,37 @@ fn idle_by(material: &Material, size_m: f32) -> Option<(String, String)> {
     (depth < CLEAR).then_some((why, help))
 }
 
-/// The first light without a size whose light method `path` does not find behind or inside of things that bend it.
-fn lost_light(scene: &Scene, world: &World) -> Option<Diagnostic> {
+/// Lights without a size that method `path` does not find behind or inside of things that bend their light.
+fn lost_light(scene: &Scene, world: &World) -> Vec<Diagnostic> {
     let bends = |material: &Material| {
         let is_rough = material.extremes(PatternedKey::Roughness)[1] > SPREADS;
-        material.extremes(PatternedKey::Transmission)[1] > 0.0 && (material.solid || is_rough)
+        transmits(material, PatternedKey::Transmission) && (material.solid || is_rough)
     };
-    let instances = (scene.reflection.method == Method::Path).then_some(&world.instances)?;
-    let glass = instances.iter().position(|i| {
+    let glass = world.instances.iter().position(|i| {
         !i.is_hidden() && i.shown.casts_shadow && bends(&world.materials[i.material])
-    })?;
-    let mut lights = scene.lights.iter().zip(world.all_lights());
-    let (entry, light) = lights.find(|(_, light)| {
-        let desc = &light.desc;
-        let is_bright = desc.kind.intensity() > 0.0 && desc.color.max_element() > 0.0;
-        is_bright && !desc.kind.has_size() && desc.shadow != ShadowMode::None
-    })?;
-    let message = format!(
-        "`method = \"path\"` finds no light of \"{}\" behind or inside of \"{}\", since the light has no size",
-        entry.name, world.instances[glass].name
-    );
-    let size = match light.desc.kind {
-        LightKind::Directional { .. } => "angle_deg = 0.5",
-        _ => "radius_m = 0.05",
+    });
+    let Some(glass) = glass.filter(|_| scene.reflection.method == Method::Path) else {
+        return Vec::new();
     };
-    let help =
-        format!("write `{size}` in it, or `method = \"rt\"`, by which light goes straight through");
-    let found = warning("lost-light", &entry.at, message, &help);
-    Some(related(found, scene, world, glass))
+    let is_lost = |light: &Light| {
+        shines(light) && !light.desc.kind.has_size() && light.desc.shadow != ShadowMode::None
+    };
+    let lights = scene.lights.iter().zip(world.all_lights());
+    let lost = lights.filter(|(_, light)| is_lost(light));
+    let found = lost.map(|(entry, light)| {
+        let message = format!(
+            "`method = \"path\"` finds no light of \"{}\" behind or inside of \"{}\", since the light has no size",
+            entry.name, world.instances[glass].name
+        );
+        let size = match light.desc.kind {
+            LightKind::Directional { .. } => "angle_deg = 0.5",
+            _ => "radius_m = 0.05",
+        };
+        let help = format!(
+            "write `{size}` in it, or `method = \"rt\"`, by which light goes straight through"
+        );
+        let found = warning("lost-light", &entry.at, message, &help);
+        related(found, scene, world, glass)
+    });
+    found.collect()
 }

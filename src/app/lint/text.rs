@@ -1,13 +1,28 @@
 //! Entries of the scene's own text, which warnings about keys and values go through.
 
-use crate::scene::{
-    diagnostic::{Diagnostic, Span},
-    syntax::{Content, Entries, Node},
+use crate::{
+    scene::{
+        diagnostic::{Diagnostic, Span},
+        stages::Scene,
+        syntax::{Content, Entries, Node},
+    },
+    world::World,
 };
 
 /// A warning at a place, with advice.
 pub fn warning(name: &'static str, at: &Span, message: String, help: &str) -> Diagnostic {
     Diagnostic::new(name, at.clone(), message).help(help)
+}
+
+/// Adds the place of an instance to a warning, if the text has one.
+pub fn related(warning: Diagnostic, scene: &Scene, world: &World, instance: usize) -> Diagnostic {
+    match world.place_of(scene, instance) {
+        Some(at) => {
+            let name = &world.instances[instance].name;
+            warning.related(at.clone(), format!("\"{name}\" is here"))
+        }
+        None => warning,
+    }
 }
 
 /// Calls a function with each key of a table and of the tables in it, and its value; `path` and the key have dots and

@@ -1,6 +1,6 @@
 //! The main camera's picture: empty, black or overexposed, or with reflectors that reflect nothing.
 
-use super::overlap;
+use super::{inside::shines_by_walks, overlap};
 use crate::{
     render::{
         decide::{
@@ -65,7 +65,9 @@ pub fn lint(scene: &Scene, world: &World, trees: &Trees) -> Vec<Diagnostic> {
     found.extend(overlap::lint(scene, &rays, &hits));
     // Automatic exposure adapts to the picture.
     if let Exposure::Ev(ev) = scene.image.exposure_ev {
-        found.extend(brightness(&estimate, ev, camera, world));
+        let is_missed =
+            |it: &Diagnostic| it.name == "black-picture" && shines_by_walks(scene, world);
+        found.extend(brightness(&estimate, ev, camera, world).filter(|it| !is_missed(it)));
     }
     if scene.is_still() && world.cameras.len() == 1 {
         found.extend(small_patterns(scene, world, &view, &hits));

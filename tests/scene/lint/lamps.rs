@@ -1,9 +1,10 @@
 //! Warnings about lamps of the light tree.
 
-use super::{found, only};
+use super::{count, found, only};
 
 /// Where lights are too many for maps, their lamps are named once, and where maps take much memory; rays and maps that
-/// nobody asked for or that rays stand in for are nothing to warn of, but for the size of such a map.
+/// nobody asked for or that rays stand in for are nothing to warn of, but for the size of such a map. Each lamp that paths
+/// do not find is named.
 #[test]
 fn lamps_without_the_map_that_is_asked_for_are_counted() {
     let lit = |more: &str, count: u32, shadow: &str| {
@@ -21,6 +22,8 @@ fn lamps_without_the_map_that_is_asked_for_are_counted() {
     let path = "[reflection]\nmethod = \"path\"\n";
     let pane = "material = \"pane\"\n[material.pane]\nalpha = 0.5\n";
     let metal = "material = \"metal\"\n[material.metal]\nmetallic = 1\nroughness = 0.5\n";
+    let glass = "material = \"glass\"\n[material.glass]\ntransmission = 1\nroughness = 0.2\n";
+    assert_eq!(count("lost-light", &lit(&[glass, path].concat(), 3, "")), 3);
     for (more, count, shadow) in [("", 12, map), ("", 64, ""), ("", 66, ""), (metal, 66, "")] {
         let all = found(&lit(more, count, shadow));
         assert!(all.is_empty(), "{count} {shadow} {all:?}");

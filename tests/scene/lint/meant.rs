@@ -6,9 +6,12 @@ use super::{Found, count, folder, found, found_at};
 
 const NONE: [Found; 0] = [];
 
+/// Keys of a base material have an effect if a material that extends it gives them one.
 #[test]
-fn rooms_and_lanterns_are_left_alone() {
-    assert_eq!(found(include_str!("room.toml")), NONE);
+fn rooms_lanterns_candles_and_keys_that_have_an_effect_are_left_alone() {
+    let lit = [include_str!("room.toml"), include_str!("candle.toml")];
+    assert_eq!(lit.map(found).concat(), NONE);
+    assert_eq!(found(include_str!("effect.toml")), NONE);
 }
 
 /// A cord and a word that fall between the rays which look at the view, and the same beside it.
@@ -76,12 +79,6 @@ fn stripes_are_half_as_bright_as_white() {
         .replace("LIGHT", "kind = \"point\"")
         .replace("POSITION", "[0, 9, -9]");
     assert_eq!(found_at(&folder.join("scene.toml"), &scene), NONE);
-}
-
-/// Keys of a base material have an effect if a material that extends it gives them one.
-#[test]
-fn keys_that_have_an_effect_are_left_alone() {
-    assert_eq!(found(include_str!("effect.toml")), NONE);
 }
 
 #[test]
