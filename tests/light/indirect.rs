@@ -192,4 +192,17 @@ fn screen_hits_gather_what_traced_ones_do() {
         assert!(rt > 0.01, "{limit}: the wall is lit, {rt}");
         assert_close(hybrid, rt, 0.02);
     }
+    // Rays that curved surfaces scatter find patterns through cones as wide, by either method.
+    let mirrors = include_str!("../../scenes/mirrors.toml");
+    let [hybrid, rt] = ["hybrid", "rt"].map(|method| {
+        let method = format!("reflection.method={method}");
+        let set = [
+            "image.size=[48, 27]",
+            "reflection.diffuse_bounces=1",
+            &method,
+        ];
+        render(gpu, mirrors, &set, &[]).color
+    });
+    let apart = hybrid.iter().zip(&rt).map(|(a, b)| (a - b).abs());
+    assert!(apart.fold(0.0, f32::max) < 2e-3);
 }
