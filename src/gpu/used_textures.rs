@@ -20,12 +20,7 @@ pub struct UsedTextures {
 impl UsedTextures {
     /// Textures of a parsed shader, and of the part of it that some values of overrides leave.
     pub fn new(whole: &Module, part: &Module) -> Self {
-        let used = |module: &Module, is_written: bool| {
-            let globals = if is_written {
-                stored_textures(module)
-            } else {
-                read_textures(module)
-            };
+        let names = |module: &Module, globals: BTreeSet<Handle<GlobalVariable>>| {
             let used = globals.into_iter().filter_map(|handle| {
                 let global = &module.global_variables[handle];
                 let slot = global.binding.filter(|slot| slot.group == 2)?;
@@ -35,51 +30,40 @@ impl UsedTextures {
             used.sort_unstable();
             used.into_iter().map(|(_, name)| name).collect()
         };
+        let ([read, _], [_, written]) = (touched(whole), touched(part));
         Self {
-            read: used(whole, false),
-            written: used(part, true),
+            read: names(whole, read),
+            written: names(part, written),
         }
     }
 }
 
-/// Textures that entry points and the functions that they call store to.
-fn stored_textures(module: &Module) -> BTreeSet<Handle<GlobalVariable>> {
-    let mut stored = BTreeSet::new();
+/// Textures that entry points and the functions that they call read, sampled ones and loaded storage textures, and textures
+/// that they store to.
+fn touched(module: &Module) -> [BTreeSet<Handle<GlobalVariable>>; 2] {
+    let [mut read, mut stored] = [BTreeSet::new(), BTreeSet::new()];
+    let is_sampled = |handle: Handle<GlobalVariable>| {
+        let ty = &module.types[module.global_variables[handle].ty].inner;
+        matches!(ty, TypeInner::Image { class, .. } if !matches!(class, ImageClass::Storage { .. }))
+    };
     for function in used_functions(module) {
+        let global = |expression: &Expression| match expression {
+            Expression::GlobalVariable(handle) => Some(*handle),
+            _ => None,
+        };
+        for (_, expression) in function.expressions.iter() {
+            read.extend(match expression {
+                Expression::ImageLoad { image, .. } => global(&function.expressions[*image]),
+                other => global(other).filter(|handle| is_sampled(*handle)),
+            });
+        }
         visit(&function.body, &mut |statement| {
-            if let Statement::ImageStore { image, .. } = statement
-                && let Expression::GlobalVariable(handle) = function.expressions[*image]
-            {
-                stored.insert(handle);
+            if let Statement::ImageStore { image, .. } = statement {
+                stored.extend(global(&function.expressions[*image]));
             }
         });
     }
-    stored
-}
-
-/// Textures that entry points and the functions that they call read: all that are sampled, and storage textures that they load.
-fn read_textures(module: &Module) -> BTreeSet<Handle<GlobalVariable>> {
-    let mut read = BTreeSet::new();
-    for function in used_functions(module) {
-        for (_, expression) in function.expressions.iter() {
-            let (image, is_load) = match expression {
-                Expression::ImageLoad { image, .. } => (function.expressions[*image].clone(), true),
-                other => (other.clone(), false),
-            };
-            let Expression::GlobalVariable(handle) = image else {
-                continue;
-            };
-            let TypeInner::Image { class, .. } =
-                module.types[module.global_variables[handle].ty].inner
-            else {
-                continue;
-            };
-            if is_load || !matches!(class, ImageClass::Storage { .. }) {
-                read.insert(handle);
-            }
-        }
-    }
-    read
+    [read, stored]
 }
 
 /// Entry points and the functions that they call.

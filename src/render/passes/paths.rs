@@ -1,4 +1,4 @@
-//! Paths: the declaration that passes share that follow paths from the surfaces of pixels on, each for one kind of light.
+//! Paths: the shared declaration of the passes that follow paths from the surfaces of pixels on, each for one kind of light.
 
 pub use crate::layout::types::{LIGHT_BEHIND, MIRRORED_LIGHT, RECEIVED_LIGHT};
 use crate::{
