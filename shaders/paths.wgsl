@@ -50,7 +50,7 @@ fn path_pixel(group: vec3u, groups: vec3u, local: vec3u, lane: u32) -> vec2u {
         if (index >= atomicLoad(&counters[TRANSMISSIVE_COUNTER])) { return vec2u(NONE); }
         return unpack_pixel(lists[transmissive_slot(index)]);
     }
-    if (!MIRRORS) { return vec2u(NONE); }
+    if (!MIRRORS || !HAS_REFLECTIONS) { return vec2u(NONE); }
     // A workgroup has rays alone or screen hits alone, since hits would wait for the rays beside them.
     let rays = select(atomicLoad(&counters[select(RAY_COUNTER, REST_COUNTER, UNDERSAMPLED)]), 0u, !TRACE);
     let ray_groups = (rays + RAYS_PER_GROUP - 1u) / RAYS_PER_GROUP;
@@ -123,7 +123,7 @@ fn followed(pixel: vec2u) -> vec4f {
     } else if (is_received()) {
         albedo = scattering_albedo(s, view);
         if (max(albedo.x, max(albedo.y, albedo.z)) <= select(0.0, 1e-4, SMOOTHED)) { return vec4f(0.0, 0.0, 0.0, select(1.0, 0.0, SMOOTHED)); }
-    } else if (MIRRORS) {
+    } else if (MIRRORS && HAS_REFLECTIONS) {
         if (!MAPPED) { free_start_m = free_m(textureLoad(written_cause, pixel).x); }
         ray = reflected_ray(pixel, s);
         if (!carries_light(ray)) { return vec4f(0.0); }
@@ -145,7 +145,7 @@ fn followed(pixel: vec2u) -> vec4f {
         } else if (is_received()) {
             start = start_received(pixel, s, albedo);
             vertex += RECEIVED_VERTEX;
-        } else if (MIRRORS) {
+        } else if (MIRRORS && HAS_REFLECTIONS) {
             start = mirrored_start(s, ray, ray_origin(s.position, s.geometric_normal));
             cone = mirrored_cone(cone, s.curvature);
         }
@@ -154,7 +154,7 @@ fn followed(pixel: vec2u) -> vec4f {
         let counts_alone = !(AIMS_THROUGH && is_behind()) || k < paths.x;
         sum += select(found, vec4f(0.0), vec4<bool>(vec3<bool>(!counts_alone && first_way == BACK), !counts_alone)) / f32(paths_each);
     }
-    if (MIRRORS && is_mirror_path) { return smoothable(s, ray, sum.xyz); }
+    if (MIRRORS && HAS_REFLECTIONS && is_mirror_path) { return smoothable(s, ray, sum.xyz); }
     if (!is_received()) { return sum; }
     if (!SMOOTHED) { return vec4f(sum.xyz, 1.0); }
     let arrived = select(vec3f(-1.0), sum.xyz * path_share / max(albedo, vec3f(1e-4)), albedo >= vec3f(1e-4));
@@ -170,7 +170,7 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: ve
     if (pixel.x == NONE) { return; }
     let light = followed(pixel);
     if (SHADE) { textureStore(path_light, pixel, stored(light)); }
-    if (MIRRORS && is_mirror_path && !is_known) {
+    if (MIRRORS && HAS_REFLECTIONS && is_mirror_path && !is_known) {
         store_hit(pixel, first_hit);
         keep_cause(pixel, first_cause);
     }

@@ -18,7 +18,7 @@ const MIRROR_PATHS: u32 = 1u; // mirror rays of pixels, which may march through 
 const HIT_PATHS: u32 = 2u; // mirror rays of pixels from known first hits on
 const ANY_PATHS: u32 = 3u;
 
-override MIRRORS: bool = true; // with ANY_PATHS: whether mirror rays are followed
+override MIRRORS: bool = true; // with ANY_PATHS: whether mirror rays are followed, where pixels reflect
 
 // Whether hits are shaded. false: the same rays are followed and their hits written, to measure how
 // much of the time traversal takes.
@@ -39,7 +39,7 @@ var<private> known_hit: Hit;
 var<private> first_cause: u32 = CAUSE_UNMARCHED;
 
 fn is_mirrored() -> bool {
-    return PATHS == MIRROR_PATHS || PATHS == HIT_PATHS || (PATHS == ANY_PATHS && MIRRORS && is_mirror_path);
+    return PATHS == MIRROR_PATHS || PATHS == HIT_PATHS || (PATHS == ANY_PATHS && MIRRORS && HAS_REFLECTIONS && is_mirror_path);
 }
 
 // Number of hits after which the path ends: crossings, scatterings and known hits do not count as bounces.
