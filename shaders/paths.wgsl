@@ -25,16 +25,14 @@ const PATHS: u32 = ANY_PATHS;
 const BEHIND_VERTEX: u32 = 64u; // offset of sample numbers: others than for reflections
 const RECEIVED_VERTEX: u32 = 128u; // likewise
 
-var<private> kind: u32; // of the light that is found
-
 // Where mirror rays march through maps, pipelines follow either them or other paths: both read more textures than a
 // stage may.
 fn is_behind() -> bool {
-    return HAS_TRANSMISSION && !(MAPPED && MIRRORS) && kind == LIGHT_BEHIND;
+    return HAS_TRANSMISSION && !(MAPPED && MIRRORS) && start_light == LIGHT_BEHIND;
 }
 
 fn is_received() -> bool {
-    return HAS_INDIRECT && !(MAPPED && MIRRORS) && kind == RECEIVED_LIGHT;
+    return HAS_INDIRECT && !(MAPPED && MIRRORS) && start_light == RECEIVED_LIGHT;
 }
 
 // The pixel of an invocation; NONE: none.
@@ -54,7 +52,7 @@ fn path_pixel(group: vec3u, groups: vec3u, local: vec3u, lane: u32) -> vec2u {
     // A workgroup has rays alone or screen hits alone, since hits would wait for the rays beside them.
     let rays = select(atomicLoad(&counters[select(RAY_COUNTER, REST_COUNTER, UNDERSAMPLED)]), 0u, !TRACE);
     let ray_groups = (rays + RAYS_PER_GROUP - 1u) / RAYS_PER_GROUP;
-    is_known = MARCH && at >= ray_groups;
+    is_known = at >= ray_groups;
     let index = (at - select(0u, ray_groups, is_known)) * RAYS_PER_GROUP + lane;
     if (index >= select(rays, atomicLoad(&counters[HIT_COUNTER]), is_known) || (!SHADE && is_known)) { return vec2u(NONE); }
     return unpack_pixel(lists[select(ray_slot(index), hit_slot(index), is_known)]);
@@ -73,7 +71,7 @@ fn paths_behind(s: Surface) -> vec2u {
 }
 
 // Prepares a path behind a surface, by its number: the first paths go forward, then come paths back.
-fn start_behind(pixel: vec2u, s: Surface, k: u32, paths: vec2u) -> Start {
+fn start_behind(s: Surface, k: u32, paths: vec2u) {
     let is_back = k >= paths.x;
     let index = select(k, k - paths.x, is_back);
     far_weight = select(1.0, 2.0 * f32(1u - index % 2u), is_back);
@@ -81,26 +79,7 @@ fn start_behind(pixel: vec2u, s: Surface, k: u32, paths: vec2u) -> Start {
     added_sample = sampling.sample * (paths_each - 1u) + index;
     forget_path();
     first_way = select(select(ANY_WAY, OUT, paths.y > 0u), BACK, is_back);
-    start_path(s.position, false);
-    start_samples(pixel, BEHIND_VERTEX);
     cross_surface(s);
-    let ray = in_one_channel(s, transmitted(view_direction(s.position), dispersed(s)));
-    return Start(ray, onward_origin(s, ray.direction));
-}
-
-// Prepares a path to the light that a surface of this albedo receives.
-fn start_received(pixel: vec2u, s: Surface, albedo: vec3f) -> Start {
-    start_path(s.position, false);
-    start_samples(pixel, RECEIVED_VERTEX);
-    let view = -view_direction(s.position);
-    let ray = scattered_ray(s, view, scattered_albedo(s, view));
-    var start = Start(ray, onward_origin(s, ray.direction));
-    if (SMOOTHED) {
-        // The path ends no sooner where the surface is dark.
-        path_share = max(albedo.x, max(albedo.y, albedo.z));
-        start.ray.weight /= path_share;
-    }
-    return start;
 }
 
 // Light of a pixel by all of its paths, as it is stored.
@@ -110,7 +89,7 @@ fn followed(pixel: vec2u) -> vec4f {
     let view = -view_direction(s.position);
     var paths = vec2u(1u, 0u);
     var albedo = vec3f(0.0);
-    var ray: Reflected;
+    var vertex = 0u; // number of the samples of the pixel's surface
     if (is_behind()) {
         if (!is_transmissive(s)) { return vec4f(0.0, 0.0, 0.0, 1.0); }
         // The G-buffer does not hold these values of the material.
@@ -120,14 +99,16 @@ fn followed(pixel: vec2u) -> vec4f {
         s.material = m;
         s.is_solid = material_is_solid(m) != 0u;
         paths = paths_behind(s);
+        vertex = BEHIND_VERTEX;
     } else if (is_received()) {
         albedo = scattering_albedo(s, view);
         if (max(albedo.x, max(albedo.y, albedo.z)) <= select(0.0, 1e-4, SMOOTHED)) { return vec4f(0.0, 0.0, 0.0, select(1.0, 0.0, SMOOTHED)); }
+        // The path ends no sooner where the surface is dark.
+        if (SMOOTHED) { path_share = max(albedo.x, max(albedo.y, albedo.z)); }
+        vertex = RECEIVED_VERTEX;
     } else if (MIRRORS && HAS_REFLECTIONS) {
         if (!MAPPED) { free_start_m = free_m(textureLoad(written_cause, pixel).x); }
-        ray = reflected_ray(pixel, s);
-        if (!carries_light(ray)) { return vec4f(0.0); }
-        if (MARCH && is_known) {
+        if (is_known) {
             let hit = stored_hit(pixel);
             // In fog, rays past all surfaces are listed too, for the light on their way.
             known_hit = Hit(select(bitcast<f32>(hit.x), FAR_M, HAS_FOG && hit.y == NONE), hit.y, hit.z, unpack2x16unorm(hit.w), 0u);
@@ -136,25 +117,19 @@ fn followed(pixel: vec2u) -> vec4f {
     let distance_m = distance(s.position, frame.eye);
     var sum = vec4f(0.0);
     for (var k = 0u; k < paths.x + paths.y; k++) {
-        var start: Start;
-        var cone = pixel_cone(distance_m);
-        var vertex = 1u;
-        if (is_behind()) {
-            start = start_behind(pixel, s, k, paths);
-            vertex += BEHIND_VERTEX;
-        } else if (is_received()) {
-            start = start_received(pixel, s, albedo);
-            vertex += RECEIVED_VERTEX;
-        } else if (MIRRORS && HAS_REFLECTIONS) {
-            start = mirrored_start(s, ray, ray_origin(s.position, s.geometric_normal));
-            cone = mirrored_cone(cone, s.curvature);
-        }
-        let found = gathered_by_path(pixel, vertex, 0u, start, cone, is_behind() && s.transmission <= 0.0);
+        start_path(s.position, is_mirrored() && s.is_inside);
+        if (is_behind()) { start_behind(s, k, paths); }
+        start_samples(pixel, vertex);
+        let start = Start(Reflected(-view, vec3f(1.0), 0.0, 1.0, 1.0, s.normal), s.position, s);
+        let found = gathered_by_path(pixel, vertex + 1u, 0u, start, pixel_cone(distance_m), is_behind() && s.transmission <= 0.0);
         // Paths out find all light of rays that meet no inner side.
         let counts_alone = !(AIMS_THROUGH && is_behind()) || k < paths.x;
         sum += select(found, vec4f(0.0), vec4<bool>(vec3<bool>(!counts_alone && first_way == BACK), !counts_alone)) / f32(paths_each);
     }
-    if (MIRRORS && HAS_REFLECTIONS && is_mirror_path) { return smoothable(s, ray, sum.xyz); }
+    if (is_mirrored()) {
+        if (!carries_light(first_ray)) { return vec4f(0.0); }
+        return smoothable(s, first_ray, sum.xyz);
+    }
     if (!is_received()) { return sum; }
     if (!SMOOTHED) { return vec4f(sum.xyz, 1.0); }
     let arrived = select(vec3f(-1.0), sum.xyz * path_share / max(albedo, vec3f(1e-4)), albedo >= vec3f(1e-4));
@@ -164,13 +139,12 @@ fn followed(pixel: vec2u) -> vec4f {
 @compute @workgroup_size(GROUP_PX, GROUP_PX)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_id) local: vec3u, @builtin(local_invocation_index) lane: u32) {
     // llvmpipe 22.3 crashes on conditions that depend only on values of a fourth uniform block; no lane is that large.
-    kind = select(params.light, MIRRORED_LIGHT, lane >= RAYS_PER_GROUP);
-    is_mirror_path = !is_behind() && !is_received();
+    start_light = select(params.light, MIRRORED_LIGHT, lane >= RAYS_PER_GROUP);
     let pixel = path_pixel(group, groups, local, lane);
     if (pixel.x == NONE) { return; }
     let light = followed(pixel);
     if (SHADE) { textureStore(path_light, pixel, stored(light)); }
-    if (MIRRORS && HAS_REFLECTIONS && is_mirror_path && !is_known) {
+    if (is_mirrored() && !is_known) {
         store_hit(pixel, first_hit);
         keep_cause(pixel, first_cause);
     }

@@ -79,7 +79,7 @@ fn lobe_ray(direction: vec3f, s: Surface) -> Reflected {
     if (sampled.share <= 0.0) { return Reflected(mirror, vec3f(0.0), 0.0, 1.0, 1.0, s.normal); }
     let facets = masked(s, -direction, nv);
     let bounded = sampled.share * (bound * nv + facets) / (nv + facets);
-    let weight = fresnel(s, dot(facet, -direction)) * compensation(s, -direction) * (bounded * base_share(s, -direction));
+    let weight = fresnel(s, dot(facet, -direction)) * compensation(s, shown_lobe(s, -direction)) * (bounded * base_share(s, -direction));
     if (mirrors_inside(s)) { return Reflected(lifted(out, s), weight, 0.0, kept, kept, s.normal); }
     let pdf = lobe_density(s, -direction, out);
     let sky_weight = kept * balance(pdf, environment_rays_pdf(s, -direction, out));

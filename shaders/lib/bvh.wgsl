@@ -203,12 +203,8 @@ fn is_blocked(best: Hit) -> bool {
 
 // The ray in an instance's object space; t has the same meaning there.
 fn object_ray(instance: u32, origin: vec3f, direction: vec3f) -> TraversalRay {
-    let x = instance_object_from_world(instance)[0];
-    let y = instance_object_from_world(instance)[1];
-    let z = instance_object_from_world(instance)[2];
-    let offset = origin - vec3f(x.w, y.w, z.w);
-    return traversal_ray(
-        vec3f(dot(x.xyz, offset), dot(y.xyz, offset), dot(z.xyz, offset)),
-        vec3f(dot(x.xyz, direction), dot(y.xyz, direction), dot(z.xyz, direction)),
-    );
+    let rows = instance_object_from_world(instance);
+    let offset = origin - vec3f(rows[0].w, rows[1].w, rows[2].w);
+    let linear = mat3x3f(rows[0].xyz, rows[1].xyz, rows[2].xyz);
+    return traversal_ray(offset * linear, direction * linear);
 }

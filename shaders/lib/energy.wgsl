@@ -12,13 +12,13 @@ fn lost(lobe: vec4f) -> f32 {
     return 1.0 / max(lobe.x, 1e-3) - 1.0;
 }
 
-// Factor on the specular lobe for the light that facets reflect more than once (Turquin 2019, "Practical
+// Factor on the specular lobe, `shown_lobe`, for the light that facets reflect more than once (Turquin 2019, "Practical
 // Multiple Scattering Compensation for Microfacet Models", eq. 16): metal and dielectric each by its own reflectance.
-fn compensation(s: Surface, view: vec3f) -> vec3f {
+fn compensation(s: Surface, lobe: vec4f) -> vec3f {
     if (!CONSERVES_ENERGY || mirrors_inside(s)) { return vec3f(1.0); }
     let dielectric = dielectric_f0(s);
     let again = mix(dielectric * dielectric, s.base_color * s.base_color, s.metallic) / max(f0(s), vec3f(1e-6));
-    return vec3f(1.0) + again * lost(shown_lobe(s, view));
+    return vec3f(1.0) + again * lost(lobe);
 }
 
 // Albedo of the specular lobe alone under uniform light. The split sum has Schlick's Fresnel term, where the exact one
@@ -26,7 +26,7 @@ fn compensation(s: Surface, view: vec3f) -> vec3f {
 fn lobe_reflectance(s: Surface, view: vec3f) -> vec3f {
     let lobe = shown_lobe(s, view);
     if (!CONSERVES_ENERGY && is_exact(s)) { return exact_fresnel(s, saturate(dot(s.normal, view))) * lobe.x; }
-    let rough = split_sum(f0(s), grazing_reflectance(s), lobe) * compensation(s, view);
+    let rough = split_sum(f0(s), grazing_reflectance(s), lobe) * compensation(s, lobe);
     if (!is_exact(s)) { return rough; }
     let cosine = dot(s.normal, view);
     let schlick = f0(s) + (vec3f(grazing_reflectance(s)) - f0(s)) * schlick_weight(cosine);

@@ -14,7 +14,7 @@ fn scattered_from(way: Way, u: f32) -> Start {
     path_is_chance = true;
     leave_vertex(position);
     let direction = fog_direction(way.direction, sample_square(sample_index(), FOG_TURN_PAIR));
-    return Start(Reflected(direction, fog.albedo, TAKEN, 0.0, 1.0, vec3f(0.0)), position);
+    return Start(Reflected(direction, fog.albedo, TAKEN, 0.0, 1.0, vec3f(0.0)), position, Surface());
 }
 
 // Passes the fog, or is scattered by it, with the probabilities of light, while the path may scatter.
@@ -37,7 +37,7 @@ fn passed(air: Air, way: Way) -> Air {
 
 // Ray of a path that begins in the fog before a pixel.
 fn scattered_start(way: Way) -> Start {
-    var start = Start(Reflected(way.direction, vec3f(0.0), 0.0, 0.0, 1.0, vec3f(0.0)), way.origin);
+    var start = Start(Reflected(way.direction, vec3f(0.0), 0.0, 0.0, 1.0, vec3f(0.0)), way.origin, Surface());
     if (way.scattered <= 1e-12 || path_scatterings >= frame.diffuse_bounces) { return start; }
     start = scattered_from(way, sample_square(sample_index(), FOG_PATH_PAIR).x);
     start.ray.weight *= way.scattered;

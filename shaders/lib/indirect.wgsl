@@ -27,7 +27,9 @@ override SHADE: bool = true;
 const FIRST_ENDING: u32 = 4u; // number of vertices before Russian roulette starts
 const MOST_LIKELY: f32 = 0.95; // maximum survival probability
 
-var<private> is_mirror_path: bool = false; // with ANY_PATHS
+// With ANY_PATHS, whose paths start at the surfaces of pixels: the light that their first rays bring, and these rays.
+var<private> start_light: u32 = ANY_LIGHT;
+var<private> first_ray: Reflected;
 var<private> path_weight: vec3f = vec3f(1.0);
 var<private> path_vertices: u32 = 0u;
 var<private> first_m: f32 = FAR_M; // length of the first ray that was followed, unless it was scattered in a solid
@@ -39,7 +41,7 @@ var<private> known_hit: Hit;
 var<private> first_cause: u32 = CAUSE_UNMARCHED;
 
 fn is_mirrored() -> bool {
-    return PATHS == MIRROR_PATHS || PATHS == HIT_PATHS || (PATHS == ANY_PATHS && MIRRORS && HAS_REFLECTIONS && is_mirror_path);
+    return PATHS == MIRROR_PATHS || PATHS == HIT_PATHS || (PATHS == ANY_PATHS && MIRRORS && HAS_REFLECTIONS && start_light == MIRRORED_LIGHT);
 }
 
 // Number of hits after which the path ends: crossings, scatterings and known hits do not count as bounces.
@@ -113,14 +115,18 @@ fn scattered_ray(s: Surface, view: vec3f, albedo: vec3f) -> Reflected {
     return Reflected(out, weight, scattered_density(dot(part.normal, out)), 0.0, 1.0, part.normal);
 }
 
-// Next ray of a path by the light that each returns: scattered or, unless `scattered_alone`, mirrored or transmitted.
-fn next_ray(before: Reflected, s: Surface, scattered_alone: bool) -> Reflected {
-    if (!HAS_INDIRECT) { return onward(before, s); }
+// Next ray of a path: scattered, mirrored or transmitted, by the light that each returns, or for one kind of light.
+fn next_ray(before: Reflected, s: Surface, light: u32) -> Reflected {
+    if (!HAS_INDIRECT) { return onward(before, s, light); }
     let view = -before.direction;
     let albedo = scattered_albedo(s, view);
     var diffuse = luminance(albedo + scattered_through(s, view));
     if (path_scatterings < frame.diffuse_bounces) { diffuse += luminance(sheen_albedo(s, view)) * scattered_share(s, view); }
-    let rest = select(0.0, max(onward_albedo(s, view), 0.01), goes_on(s) && !scattered_alone);
+    var rest = select(0.0, max(onward_albedo(s, view), 0.01), goes_on(s) && light != RECEIVED_LIGHT);
+    if (light == MIRRORED_LIGHT || light == LIGHT_BEHIND) {
+        diffuse = 0.0;
+        rest = 1.0;
+    }
     if (diffuse + rest <= 0.0) { return Reflected(s.normal, vec3f(0.0), TAKEN, 0.0, 1.0, s.normal); }
     let share = diffuse / (diffuse + rest);
     let u = sample_square(sample_index(), CHOICE_PAIR);
@@ -129,10 +135,10 @@ fn next_ray(before: Reflected, s: Surface, scattered_alone: bool) -> Reflected {
         ray = scattered_ray(s, view, albedo);
         ray.weight *= before.kept / share;
     } else {
-        ray = onward(before, s);
+        ray = onward(before, s, light);
         ray.weight /= 1.0 - share;
     }
-    if (UNBIASED) { ray.weight *= survival(ray.weight, u.y); }
+    if (UNBIASED && light == ANY_LIGHT) { ray.weight *= survival(ray.weight, u.y); }
     return ray;
 }
 
@@ -147,10 +153,11 @@ fn survival(weight: vec3f, u: f32) -> f32 {
     return 1.0 / chance;
 }
 
-// First ray of a path, and the point where it starts.
+// First ray of a path, and the point where it starts. With ANY_PATHS: the surface that it starts at, where the ray arrives.
 struct Start {
     ray: Reflected,
     origin: vec3f,
+    at: Surface,
 }
 
 // The nearest hit of a ray of a path, up to a distance.
@@ -174,13 +181,37 @@ fn gathered_by_path(pixel: vec2u, vertex: u32, hits: u32, start: Start, first: C
     var cone = first;
     var is_straight = is_seen;
     var uncovered = 1.0; // share that the surfaces met so far leave uncovered
-    for (var k = 0u; k < most_hits(); k++) {
-        if (max(throughput.x, max(throughput.y, throughput.z)) < frame.dimmest) { break; }
+    var s = start.at;
+    var is_scattered = false;
+    var leaves = PATHS == ANY_PATHS; // whether the path leaves the surface or the point of a scattering
+    for (var k = 0u; ; k++) {
+        // All rays leave here, as drivers inline each call.
+        if (leaves) {
+            let is_start = PATHS == ANY_PATHS && k == 0u;
+            if (HAS_SCATTERING && is_scattered) {
+                ray = scattered_within(s, throughput);
+            } else {
+                ray = next_ray(ray, s, select(select(ANY_LIGHT, RECEIVED_LIGHT, is_known && k == 1u), start_light, is_start));
+            }
+            if (is_start) {
+                first_ray = ray;
+                // The pixel's surface weighs its reflection.
+                ray.weight = select(ray.weight / path_share, vec3f(1.0), is_mirrored() && carries_light(ray));
+            }
+            throughput *= ray.weight;
+            is_straight = is_straight && s.transmission <= 0.0 && dot(ray.direction, start.ray.direction) > 0.99999;
+            // A transmitted ray keeps its cone; a mirrored one has its cone widened by the curvature.
+            if (is_mirrored() && dot(ray.direction, s.geometric_normal) > 0.0) { cone = mirrored_cone(cone, s.curvature); }
+            origin = select(onward_origin(s, ray.direction), s.position, HAS_SCATTERING && is_scattered);
+        }
+        leaves = true;
+        let most = max(throughput.x, max(throughput.y, throughput.z));
+        if (k >= most_hits() || most < frame.dimmest || (PATHS == ANY_PATHS && most <= 0.0)) { break; }
         start_samples(pixel, vertex + k);
         let flight = free_flight(select(throughput, vec3f(0.0), is_mirrored() && k == 0u));
         let h = hit_of_path(origin, ray.direction, flight.length_m, k == 0u);
         let end = seen_at_end(origin, ray, h.instance, h.t);
-        let is_scattered = flight.length_m < end.distance_m;
+        is_scattered = HAS_SCATTERING && flight.length_m < end.distance_m;
         let way_m = min(flight.length_m, end.distance_m);
         throughput *= medium_transmittance(way_m) * flight_weight(flight, way_m, is_scattered);
         if (k == 0u && !is_scattered) { first_m = way_m; }
@@ -196,6 +227,7 @@ fn gathered_by_path(pixel: vec2u, vertex: u32, hits: u32, start: Start, first: C
                 ray = air.ray;
                 origin = air.position;
                 is_straight = false;
+                leaves = false;
                 continue;
             }
         }
@@ -210,8 +242,7 @@ fn gathered_by_path(pixel: vec2u, vertex: u32, hits: u32, start: Start, first: C
         // Without shading, a surface only matters where the path may continue from it.
         if (!SHADE && k + 1u == most_hits()) { break; }
         cone = continued(cone, way_m);
-        var s: Surface;
-        if (is_scattered) {
+        if (HAS_SCATTERING && is_scattered) {
             s = scatterer(origin + ray.direction * way_m);
         } else {
             s = surface_at(h.instance, h.triangle, h.bary, ray.direction, cone.width_m);
@@ -230,12 +261,6 @@ fn gathered_by_path(pixel: vec2u, vertex: u32, hits: u32, start: Start, first: C
         }
         if (!is_scattered && !continues(s)) { break; }
         uncovered *= 1.0 - coverage(s);
-        if (is_scattered) { ray = scattered_within(s, throughput); } else { ray = next_ray(ray, s, is_known && k == 0u); }
-        throughput *= ray.weight;
-        is_straight = is_straight && s.transmission <= 0.0 && dot(ray.direction, start.ray.direction) > 0.99999;
-        // A transmitted ray keeps its cone; a mirrored one has its cone widened by the curvature.
-        if (is_mirrored() && dot(ray.direction, s.geometric_normal) > 0.0) { cone = mirrored_cone(cone, s.curvature); }
-        origin = select(onward_origin(s, ray.direction), s.position, is_scattered);
     }
     return vec4f(color, 1.0);
 }

@@ -367,15 +367,17 @@ fn bends(s: Surface, is_aimed: bool) -> bool {
     return (UNBIASED || is_aimed) && s.transmission > 0.0 && (s.is_solid || s.roughness * s.roughness > SMOOTH_ALPHA);
 }
 
-// Next ray of a path from a surface that it has hit.
-fn onward(before: Reflected, met: Surface) -> Reflected {
+// Next ray of a path, mirrored or transmitted, from a surface that it has hit. Rays of pixels bring one kind of light.
+fn onward(before: Reflected, met: Surface, light: u32) -> Reflected {
     let s = dispersed(met);
     let direction = before.direction;
-    var back = reflected(direction, s);
+    var back: Reflected;
+    if (light != LIGHT_BEHIND) { back = reflected(direction, s); }
     back.weight *= before.kept;
-    if (!is_transmissive(s)) { return back; }
+    if (!is_transmissive(s) || light == MIRRORED_LIGHT) { return back; }
     if (!is_reflector(s)) { back.weight = vec3f(0.0); }
     var through = transmitted(direction, s);
+    if (light == LIGHT_BEHIND) { return in_one_channel(met, through); }
     // Light samples go straight through panes, so a light seen through one keeps the weight of the ray before it:
     // otherwise a rough surface would count a lamp behind glass twice, once as rare, bright specks.
     let is_aimed = is_aimed_through(s);

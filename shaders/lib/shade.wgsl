@@ -127,7 +127,7 @@ fn ggx(s: Surface, view: vec3f, to_light: vec3f) -> vec3f {
     let nl = saturate(dot(s.normal, to_light));
     let nv = max(dot(s.normal, view), 1e-3);
     let visibility = 0.5 / max(nl * masked(s, view, nv) + nv * masked(s, to_light, nl), 1e-6);
-    return fresnel(s, dot(view, h)) * compensation(s, view) * (facet_density(s, h) * visibility * nl * base_share(s, view));
+    return fresnel(s, dot(view, h)) * compensation(s, shown_lobe(s, view)) * (facet_density(s, h) * visibility * nl * base_share(s, view));
 }
 
 // The only layer of a surface with a traced reflection, and the share of that layer's light that arrives; a share of

@@ -15,7 +15,7 @@ fn passed_share(s: Surface, facet: vec3f, direction: vec3f) -> vec3f {
     let base = below_coat(s);
     if (!is_reflector(base)) { return left_of(base, lobe_reflectance(base, view)); }
     if (!is_rough_reflector(base)) { return passing_share(base, dot(s.normal, view)); }
-    let back = fresnel(base, dot(facet, view)) * compensation(base, view);
+    let back = fresnel(base, dot(facet, view)) * compensation(base, shown_lobe(base, view));
     return left_of(base, back * seen_facets(base, view, reflect(direction, facet)));
 }
 

@@ -60,7 +60,7 @@ fn seen_from(probe: vec3f, towards: vec3f, seed: vec2u) -> Seen {
         if (is_kept_apart && (bounce == 0u || !is_pane) && is_lamp) { s.emission = vec3f(0.0); }
         color += found_light(throughput * met_light(ray, s, vec2u(0u)), bounce);
         if (!continues(s)) { break; }
-        ray = next_ray(ray, s, false);
+        ray = next_ray(ray, s, ANY_LIGHT);
         throughput *= ray.weight;
         is_clear = is_clear && is_pane && bounce < MAX_CLEAR_PANES && dot(ray.direction, s.geometric_normal) < 0.0;
         if (max(throughput.x, max(throughput.y, throughput.z)) < frame.dimmest) { break; }

@@ -285,5 +285,7 @@ pub const MIRRORED_LIGHT: u32 = 0;
 pub const LIGHT_BEHIND: u32 = 1;
 /// Kind of light that paths find: light that matte surfaces receive from other surfaces.
 pub const RECEIVED_LIGHT: u32 = 2;
+/// Kind of light that a ray of a path finds: mirrored, from behind or received, by the light that each returns.
+pub const ANY_LIGHT: u32 = 3;
 
 const _: () = assert!(size_of::<GpuVertex>() == 32 && size_of::<GpuInstance>() == 128);

@@ -43,7 +43,6 @@ pub fn mirror_overrides(options: &RenderOptions) -> Vec<Override> {
 fn constants(options: &RenderOptions, mirrors: bool) -> Vec<Override> {
     let (marches, traces) = (ssr::is_enabled(options), options.reflection.method.traces());
     let flags = [
-        ("MARCH", marches),
         ("TRACE", traces),
         ("MIRRORS", mirrors && (marches || traces)),
         ("SMOOTHED", options.smooths()),
