@@ -2,14 +2,17 @@
 
 Mitsuba is no part of the project's environment: `python3 -m venv DIR && DIR/bin/pip install
 mitsuba numpy pillow OpenEXR`, then run tools/tell.py by DIR/bin/python to measure. It needs LLVM 17
-or newer as a shared library (`DRJIT_LIBLLVM_PATH` says where, if it is not found). Pictures are
-96 x 64, in linear light. Times, all that `--only speed` measures, are of the system's driver, of
-the newest one, and of Cycles where `tools/setup.sh --blender` has installed it. The text around the
-tables is written by hand: check it against new numbers.
+or newer as a shared library: the compiler of Rust has one, which is taken unless
+`DRJIT_LIBLLVM_PATH` names another. Pictures are 96 x 64, in linear light. Times, all that
+`--only speed` measures, are of the system's driver, of the newest one, and of Cycles where
+`tools/setup.sh --blender` has installed it. The text around the tables is written by hand: check it
+against new numbers.
 """
 
+import os
 import pathlib
 import shutil
+import subprocess
 import sys
 from collections.abc import Sequence
 
@@ -60,7 +63,16 @@ def theirs(out: pathlib.Path, scene: Scene) -> speed.Pair:
     return speed.converged(scene, kept, SIZE, THEIR_SAMPLES // 2, speed.SAMPLERS[0])
 
 
+def find_llvm() -> None:
+    """Point Mitsuba to the LLVM of Rust's compiler: the system's, its choice, may be too old."""
+    rustc = ["rustc", "--print", "sysroot"]
+    sysroot = subprocess.run(rustc, capture_output=True, text=True, check=True).stdout.strip()
+    for library in pathlib.Path(sysroot, "lib").glob("libLLVM.so.*"):
+        os.environ.setdefault("DRJIT_LIBLLVM_PATH", str(library))
+
+
 def measure(run: Run) -> None:
+    find_llvm()
     import mitsuba as mi
 
     mi.set_variant("llvm_ad_rgb")
