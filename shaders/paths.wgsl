@@ -49,12 +49,18 @@ fn path_pixel(group: vec3u, groups: vec3u, local: vec3u, lane: u32) -> vec2u {
         return unpack_pixel(lists[transmissive_slot(index)]);
     }
     if (!MIRRORS || !HAS_REFLECTIONS) { return vec2u(NONE); }
-    // A workgroup has rays alone or screen hits alone, since hits would wait for the rays beside them.
+    // A workgroup has rays alone or screen hits alone, since hits would wait for the rays beside them. Groups of the shorter
+    // list are spread among the others: software drivers give each thread a block of adjacent groups.
     let rays = select(atomicLoad(&counters[select(RAY_COUNTER, REST_COUNTER, UNDERSAMPLED)]), 0u, !TRACE);
-    let ray_groups = (rays + RAYS_PER_GROUP - 1u) / RAYS_PER_GROUP;
-    is_known = at >= ray_groups;
-    let index = (at - select(0u, ray_groups, is_known)) * RAYS_PER_GROUP + lane;
-    if (index >= select(rays, atomicLoad(&counters[HIT_COUNTER]), is_known) || (!SHADE && is_known)) { return vec2u(NONE); }
+    let hits = atomicLoad(&counters[HIT_COUNTER]);
+    let groups_of = (vec2u(rays, hits) + RAYS_PER_GROUP - 1u) / RAYS_PER_GROUP;
+    let few = min(groups_of.x, groups_of.y);
+    let every = (groups_of.x + groups_of.y) / max(few, 1u);
+    let before = min((at + 1u) / every, few); // groups of the shorter list up to this one
+    let is_few = before > min(at / every, few);
+    is_known = is_few == (groups_of.y <= groups_of.x);
+    let index = select(at - before, before - 1u, is_few) * RAYS_PER_GROUP + lane;
+    if (index >= select(rays, hits, is_known) || (!SHADE && is_known)) { return vec2u(NONE); }
     return unpack_pixel(lists[select(ray_slot(index), hit_slot(index), is_known)]);
 }
 
