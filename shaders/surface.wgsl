@@ -6,6 +6,7 @@
 #import pixel_surface
 #import shade
 
+override MARCH: bool = true; // whether the rays of reflective pixels are marched
 override RASTERIZED: bool = true; // false: primary rays found ids and the depth of culled triangles
 
 @group(2) @binding(0) var ids: texture_2d<u32>;

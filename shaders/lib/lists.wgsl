@@ -5,8 +5,6 @@
 #import depth_pyramid
 #import frame
 
-override MARCH: bool = true; // whether the rays of reflective pixels are marched
-
 @group(2) @binding(20) var<storage, read_write> lists: array<u32>;
 @group(2) @binding(21) var<storage, read_write> counters: array<atomic<u32>, COUNTERS>;
 
