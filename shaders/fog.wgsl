@@ -26,7 +26,10 @@ fn fog_before(pixel: vec2u) -> vec4f {
     start_samples(pixel, FIRST_VERTEX);
     let way = way_in_fog(origin, normalize(along), distance_m);
     var light = vec3f(0.0);
-    for (var k = 0u; k < sampling.rays; k++) { light += scattered_on_way(way, first_light_sample() + k, 1.0); }
+    for (var k = 0u; k < sampling.rays; k++) {
+        light += scattered_on_way(way, first_light_sample() + k, 1.0);
+        if (!SEVERAL_LIGHT_RAYS) { break; }
+    }
     light /= f32(sampling.rays);
     if (FOLLOWS_FOG) { light += gathered_by_path(pixel, FIRST_VERTEX + 1u, 1u, scattered_start(way), pixel_cone(0.0), false).xyz; }
     return stored(vec4f(light, 1.0 - way.scattered));

@@ -27,8 +27,12 @@ const RECEIVED_VERTEX: u32 = 128u; // likewise
 
 // Where mirror rays march through maps, pipelines follow either them or other paths: both read more textures than a
 // stage may.
+fn has_behind() -> bool {
+    return HAS_TRANSMISSION && !(MAPPED && MIRRORS);
+}
+
 fn is_behind() -> bool {
-    return HAS_TRANSMISSION && !(MAPPED && MIRRORS) && start_light == LIGHT_BEHIND;
+    return has_behind() && start_light == LIGHT_BEHIND;
 }
 
 fn is_received() -> bool {
@@ -131,6 +135,8 @@ fn followed(pixel: vec2u) -> vec4f {
         // Paths out find all light of rays that meet no inner side.
         let counts_alone = !(AIMS_THROUGH && is_behind()) || k < paths.x;
         sum += select(found, vec4f(0.0), vec4<bool>(vec3<bool>(!counts_alone && first_way == BACK), !counts_alone)) / f32(paths_each);
+        // Other paths are alone. Software drivers take a fifth less time without the loop.
+        if (!has_behind()) { break; }
     }
     if (is_mirrored()) {
         if (!carries_light(first_ray)) { return vec4f(0.0); }

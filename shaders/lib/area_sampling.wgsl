@@ -14,6 +14,7 @@ override HAS_ROUGH_REFLECTIONS: bool = true;
 override HAS_SHADOW_RAYS: bool = true; // whether some light casts its shadow by rays
 override HAS_ENVIRONMENT_RAYS: bool = true; // whether the environment's light can be blocked
 override HAS_SIZED_LIGHTS: bool = true;
+override SEVERAL_SIZED_LIGHTS: bool = true; // without loops over them software drivers take less time
 override HAS_SIZED_SUNS: bool = true; // whether some light with a size is directional
 override HAS_SAMPLED_LIGHT: bool = true; // whether there are lights with a size, sampled environments or emitters
 override HAS_INDIRECT: bool = true; // whether diffuse surfaces light each other
@@ -84,12 +85,6 @@ fn lobe_ray(direction: vec3f, s: Surface) -> Reflected {
     let pdf = lobe_density(s, -direction, out);
     let sky_weight = kept * balance(pdf, environment_rays_pdf(s, -direction, out));
     return Reflected(lifted(out, s), weight, pdf, sky_weight, kept, s.normal);
-}
-
-// Number of lights without a size, which come first in the array.
-fn hard_lights() -> u32 {
-    if (HAS_SIZED_LIGHTS) { return frame.hard_lights; }
-    return frame.light_count;
 }
 
 // A light other than a directional one.
@@ -246,6 +241,7 @@ fn sampled_light(s: Surface, view: vec3f, albedo: vec3f) -> Shade {
                 } else {
                     offer(&lamps, r, 1.0);
                 }
+                if (!SEVERAL_SIZED_LIGHTS) { break; }
             }
         }
         let sky = returned_of_environment(s, view, to, index);
@@ -265,6 +261,7 @@ fn sampled_light(s: Surface, view: vec3f, albedo: vec3f) -> Shade {
             out.diffuse += r.diffuse * arriving;
             out.specular += r.specular * arriving;
         }
+        if (!SEVERAL_LIGHT_RAYS) { break; }
     }
     let rays = f32(sampling.rays);
     return Shade(out.diffuse / rays, out.specular / rays, vec2u(0u));
@@ -281,30 +278,41 @@ struct SeenLight {
     distance_m: f32,
 }
 
+// A light with a size that a ray meets, and the light of the environment behind it; `point.t` 0: it meets none.
+struct MetLight {
+    point: MetPoint,
+    behind: vec3f,
+}
+
+fn met_sized_light(i: u32, origin: vec3f, ray: Reflected) -> MetLight {
+    var met: MetLight;
+    if (!is_reflected(i)) { return met; }
+    if (lights[i].kind != LIGHT_DIRECTIONAL) {
+        met.point = lamp_met(placed_lamp(i), origin, ray.direction);
+        return met;
+    }
+    let extent = lights[i].extent;
+    if (-dot(ray.direction, lights[i].direction) < cos(extent)) { return met; }
+    met.point = MetPoint(BEYOND, 1.0 / (2.0 * PI * (1.0 - cos(extent))), lights[i].color / PI / pow(sin(extent), 2.0));
+    met.behind = environment(ray.direction) * ray.sky_weight;
+    return met;
+}
+
 fn seen_light(origin: vec3f, ray: Reflected, t_max: f32) -> SeenLight {
     var seen: SeenLight;
-    if (!HAS_SIZED_LIGHTS && !HAS_SIZED_LAMPS) { return seen; }
-    let direction = ray.direction;
     var behind = vec3f(0.0);
     var pdf = 0.0;
     var nearest = t_max;
-    for (var i = hard_lights(); HAS_SIZED_LIGHTS && i < frame.light_count; i++) {
-        if (!is_reflected(i)) { continue; }
-        var met: MetPoint;
-        var sky = vec3f(0.0);
-        if (lights[i].kind == LIGHT_DIRECTIONAL) {
-            let extent = lights[i].extent;
-            met = MetPoint(BEYOND, 1.0 / (2.0 * PI * (1.0 - cos(extent))), lights[i].color / PI / pow(sin(extent), 2.0));
-            if (-dot(direction, lights[i].direction) < cos(extent)) { continue; }
-            sky = environment(direction) * ray.sky_weight;
-        } else {
-            met = lamp_met(placed_lamp(i), origin, direction);
-        }
-        if (met.t > 0.0 && met.t < nearest) {
-            nearest = met.t;
-            pdf = met.pdf;
-            behind = sky;
-            seen = SeenLight(true, met.radiance * shown_share(i), met.t);
+    if (HAS_SIZED_LIGHTS) {
+        for (var i = frame.hard_lights; i < frame.light_count; i++) {
+            let met = met_sized_light(i, origin, ray);
+            if (met.point.t > 0.0 && met.point.t < nearest) {
+                nearest = met.point.t;
+                pdf = met.point.pdf;
+                behind = met.behind;
+                seen = SeenLight(true, met.point.radiance * shown_share(i), nearest);
+            }
+            if (!SEVERAL_SIZED_LIGHTS) { break; }
         }
     }
     if (HAS_SIZED_LAMPS) {

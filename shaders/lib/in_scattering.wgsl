@@ -140,7 +140,7 @@ fn scattered_of_light(way: Way, i: u32, index: u32) -> Returned {
         place.weight *= decay(fog.density * fog_length(way.origin, way.direction, vec2f(way.span.x, lit.span.x)));
     }
     let position = way.origin + way.direction * place.t;
-    if (HAS_SIZED_LIGHTS && i >= hard_lights()) {
+    if (HAS_SIZED_LIGHTS && i >= frame.hard_lights) {
         let l = light_sample(i, position, sample_square(index, FOG_LIGHT_PAIR + i));
         return scattered_by(way, place, l, fog_share(position, l.to_light, l.distance_m));
     }

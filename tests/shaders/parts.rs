@@ -48,6 +48,7 @@ fn closed_forms_need_no_samples() {
     let details = |sheen: bool| {
         let features = Features {
             tints: true,
+            hard_lights: true,
             sheen,
             ..Features::default()
         };
@@ -63,6 +64,7 @@ fn shaders_without_fog_have_nothing_of_it() {
     for fog in [false, true] {
         let features = Features {
             fog,
+            hard_lights: true,
             reflections: true,
             transmission: true,
             indirect: true,

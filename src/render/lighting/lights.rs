@@ -104,8 +104,10 @@ pub struct LightNeeds {
     pub rays: bool,
     /// Whether some light without a size has ray traced shadows.
     pub hard_rays: bool,
-    /// Whether some light has a size.
-    pub sized: bool,
+    /// Number of lights without a size; 2: several.
+    pub hard: usize,
+    /// Number of lights with a size; 2: several.
+    pub sized: usize,
     /// Whether some directional light has a size.
     pub sized_suns: bool,
 }
@@ -116,10 +118,12 @@ impl LightNeeds {
         let is_sized = |light: &Light| light.desc.kind.has_size();
         let by_rays = |(i, l): &(usize, &Light)| options.shadow_of(*i, l) == ShadowMode::Ray;
         let mut by_rays = lights.iter().enumerate().filter(by_rays).peekable();
+        let (_, hard) = in_order(lights);
         Self {
             rays: by_rays.peek().is_some(),
             hard_rays: by_rays.any(|(_, light)| !is_sized(light)),
-            sized: lights.iter().any(is_sized),
+            hard: hard.min(2),
+            sized: (lights.len() - hard).min(2),
             sized_suns: lights
                 .iter()
                 .any(|l| is_sized(l) && matches!(l.desc.kind, LightKind::Directional { .. })),
@@ -130,7 +134,8 @@ impl LightNeeds {
     pub fn cover(self, other: Self) -> bool {
         (self.rays || !other.rays)
             && (self.hard_rays || !other.hard_rays)
-            && (self.sized || !other.sized)
+            && self.hard >= other.hard
+            && self.sized >= other.sized
             && (self.sized_suns || !other.sized_suns)
     }
 }
@@ -324,20 +329,29 @@ fn parallel_view(forward: Vec3, px: u32, bounds: &Bounds) -> (Mat4, f32) {
 mod tests {
     use super::*;
 
-    fn needs([rays, hard_rays, sized, sized_suns]: [bool; 4]) -> LightNeeds {
-        LightNeeds {
-            rays,
-            hard_rays,
-            sized,
-            sized_suns,
-        }
-    }
-
     #[test]
     fn passes_serve_lights_that_ask_for_less() {
-        let all = needs([true; 4]);
-        for lacking in 0..4 {
-            let less = needs(std::array::from_fn(|i| i != lacking));
+        let all = LightNeeds {
+            rays: true,
+            hard_rays: true,
+            hard: 2,
+            sized: 2,
+            sized_suns: true,
+        };
+        let less = [
+            LightNeeds { rays: false, ..all },
+            LightNeeds {
+                hard_rays: false,
+                ..all
+            },
+            LightNeeds { hard: 1, ..all },
+            LightNeeds { sized: 1, ..all },
+            LightNeeds {
+                sized_suns: false,
+                ..all
+            },
+        ];
+        for less in less {
             assert!(all.cover(less));
             assert!(!less.cover(all));
         }

@@ -185,11 +185,26 @@ features! {
         constant: SAMPLES_ENVIRONMENT,
         dropped: "samples of the environment" => "the environment is a gradient and casts no shadows";
     }
+    /// Whether some light has no size.
+    hard_lights {
+        used: scene.is_general() || scene.lights().hard > 0,
+        constant: HAS_HARD_LIGHTS,
+    }
+    /// Whether several lights have no size.
+    several_hard_lights {
+        used: scene.is_general() || scene.lights().hard > 1,
+        constant: SEVERAL_HARD_LIGHTS,
+    }
     /// Whether some light has a size.
     sized_lights {
-        used: scene.lights().sized,
+        used: scene.lights().sized > 0,
         constant: HAS_SIZED_LIGHTS,
         dropped: "samples of lights" => "no light has a size";
+    }
+    /// Whether several lights have a size.
+    several_sized_lights {
+        used: scene.is_general() || scene.lights().sized > 1,
+        constant: SEVERAL_SIZED_LIGHTS,
     }
     /// Whether some directional light has a size.
     sized_suns {
@@ -225,6 +240,11 @@ features! {
     sampled_light {
         follows: sized_lights || sampled_environment || emitters,
         constant: HAS_SAMPLED_LIGHT,
+    }
+    /// Whether several rays of a sub-frame go towards each kind of light that is sampled.
+    several_light_rays {
+        used: scene.is_general() || scene.options.image.light_rays() > 1,
+        constant: SEVERAL_LIGHT_RAYS,
     }
     /// Whether reflection rays march through maps.
     mapped {

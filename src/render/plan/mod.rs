@@ -217,7 +217,10 @@ impl Plan {
         LightNeeds {
             rays: self.features.shadow_rays,
             hard_rays: self.features.hard_shadow_rays,
-            sized: self.features.sized_lights,
+            hard: usize::from(self.features.hard_lights)
+                + usize::from(self.features.several_hard_lights),
+            sized: usize::from(self.features.sized_lights)
+                + usize::from(self.features.several_sized_lights),
             sized_suns: self.features.sized_suns,
         }
     }
