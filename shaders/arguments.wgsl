@@ -6,6 +6,8 @@
 @group(2) @binding(0) var<storage, read> counters: array<u32, COUNTERS>;
 @group(2) @binding(1) var<storage, read_write> arguments: array<vec4u, LISTS>;
 
+override UNDERSAMPLED: bool = false;
+
 const GROUPS_PER_ROW: u32 = 32768u;
 
 fn groups_for(counter: u32) -> u32 {
@@ -19,6 +21,7 @@ fn in_rows(groups: u32) -> vec4u {
 @compute @workgroup_size(1)
 fn main() {
     arguments[REFLECTORS_LIST] = in_rows(groups_for(REFLECTOR_COUNTER));
-    arguments[RAYS_LIST] = in_rows(groups_for(RAY_COUNTER) + groups_for(HIT_COUNTER));
+    // Rays that become hits of neighbors may begin one group more.
+    arguments[RAYS_LIST] = in_rows(groups_for(RAY_COUNTER) + groups_for(HIT_COUNTER) + u32(UNDERSAMPLED));
     arguments[TRANSMISSIVE_LIST] = in_rows(groups_for(TRANSMISSIVE_COUNTER));
 }

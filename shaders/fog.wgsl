@@ -8,7 +8,7 @@
 
 @group(2) @binding(5) var fog_light: RadianceTexture; // w: transmittance
 
-const PATHS: u32 = FREE_PATHS;
+const LEAVES_PIXELS: bool = false;
 const FIRST_VERTEX: u32 = 192u; // offset of sample numbers: others than for surfaces
 
 fn fog_before(pixel: vec2u) -> vec4f {

@@ -5,8 +5,9 @@
 // - Received: path traces the diffuse light that the surfaces of pixels receive from other surfaces.
 
 #import cause_stored
+#import gbuffer
+#import indirect
 #import mirror_hit
-#import mirrored
 #import paths_params
 #import radiance
 #import work
@@ -21,7 +22,7 @@ override TRACE: bool = true; // false: methods that answer refused rays otherwis
 // surface scatters none.
 override SMOOTHED: bool = false;
 
-const PATHS: u32 = ANY_PATHS;
+const LEAVES_PIXELS: bool = true;
 const BEHIND_VERTEX: u32 = 64u; // offset of sample numbers: others than for reflections
 const RECEIVED_VERTEX: u32 = 128u; // likewise
 
@@ -39,8 +40,8 @@ fn is_received() -> bool {
     return HAS_INDIRECT && !(MAPPED && MIRRORS) && start_light == RECEIVED_LIGHT;
 }
 
-// The pixel of an invocation; NONE: none.
-fn path_pixel(group: vec3u, groups: vec3u, local: vec3u, lane: u32) -> vec2u {
+// The pixel of an invocation; NONE: none. `leads`: whether leaders are followed alone, of listed rays that have any.
+fn path_pixel(group: vec3u, groups: vec3u, local: vec3u, lane: u32, leads: bool) -> vec2u {
     let at = group.y * groups.x + group.x;
     if (is_received()) {
         let pixel = invoked_pixel(group, groups, local);
@@ -55,8 +56,9 @@ fn path_pixel(group: vec3u, groups: vec3u, local: vec3u, lane: u32) -> vec2u {
     if (!MIRRORS || !HAS_REFLECTIONS) { return vec2u(NONE); }
     // A workgroup has rays alone or screen hits alone, since hits would wait for the rays beside them. Groups of the shorter
     // list are spread among the others: software drivers give each thread a block of adjacent groups.
-    let rays = select(atomicLoad(&counters[select(RAY_COUNTER, REST_COUNTER, UNDERSAMPLED)]), 0u, !TRACE);
-    let hits = atomicLoad(&counters[HIT_COUNTER]);
+    let counter = select(RAY_COUNTER, select(REST_COUNTER, LEADER_COUNTER, leads), UNDERSAMPLED);
+    let rays = select(atomicLoad(&counters[counter]), 0u, !TRACE);
+    let hits = select(atomicLoad(&counters[HIT_COUNTER]), 0u, leads);
     let groups_of = (vec2u(rays, hits) + RAYS_PER_GROUP - 1u) / RAYS_PER_GROUP;
     let few = min(groups_of.x, groups_of.y);
     let every = (groups_of.x + groups_of.y) / max(few, 1u);
@@ -65,6 +67,7 @@ fn path_pixel(group: vec3u, groups: vec3u, local: vec3u, lane: u32) -> vec2u {
     is_known = is_few == (groups_of.y <= groups_of.x);
     let index = select(at - before, before - 1u, is_few) * RAYS_PER_GROUP + lane;
     if (index >= select(rays, hits, is_known) || (!SHADE && is_known)) { return vec2u(NONE); }
+    if (leads) { return unpack_pixel(lists[leader_slot(index)]); }
     return unpack_pixel(lists[select(ray_slot(index), hit_slot(index), is_known)]);
 }
 
@@ -152,7 +155,8 @@ fn followed(pixel: vec2u) -> vec4f {
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_id) local: vec3u, @builtin(local_invocation_index) lane: u32) {
     // llvmpipe 22.3 crashes on conditions that depend only on values of a fourth uniform block; no lane is that large.
     start_light = select(params.light, MIRRORED_LIGHT, lane >= RAYS_PER_GROUP);
-    let pixel = path_pixel(group, groups, local, lane);
+    let leads = UNDERSAMPLED && select(params.leads, 0u, lane >= RAYS_PER_GROUP) != 0u;
+    let pixel = path_pixel(group, groups, local, lane, leads);
     if (pixel.x == NONE) { return; }
     let light = followed(pixel);
     if (SHADE) { textureStore(path_light, pixel, stored(light)); }

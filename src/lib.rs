@@ -68,8 +68,8 @@
 //!    or plane that the ray is shown to meet, `accept_by_threshold` a crossing by the paper's rule. Hits are
 //!    listed, and so are the rays to trace, with the distance proven free where the ray left the
 //!    picture. **Arguments** sizes the dispatches over lists.
-//! 7. With `reflection.rate` above 1 **trace_sparse** traces one of several rays, and between leaders whose hits agree
-//!    **upsample** reuses their hits. **Trace** follows the listed rays through the static tree and the top level over instances,
+//! 7. With `reflection.rate` above 1 **split_rays** lets **trace** follow one of several rays first, and between leaders whose
+//!    hits agree **upsample** reuses their hits. **Trace** follows the listed rays through the static tree and the top level over instances,
 //!    bounce by bounce, and shades accepted hits at the point where the ray meets the surface, with the ray's footprint. With `reflection.trace = "query"` the device's ray queries find candidates in the structures of
 //!    [`render::upload::structures`], for these and all other rays; our own tests choose among them.
 //! 8. **Filter** (rough reflections, below 256 sub-frames), **blur** (if asked for), **compose** (only the

@@ -1,5 +1,5 @@
 // Paths, ray by ray; with diffuse interreflection they also continue in directions that diffuse surfaces scatter.
-// A pass says by PATHS which paths it follows; ANY_PATHS are of both kinds.
+// A pass says by LEAVES_PIXELS whether its paths start at the surfaces of pixels, or where it says.
 
 #import in_scattering
 #import cause
@@ -13,12 +13,7 @@
 #import sampling
 #import subsurface
 
-const FREE_PATHS: u32 = 0u;
-const MIRROR_PATHS: u32 = 1u; // mirror rays of pixels, which may march through maps
-const HIT_PATHS: u32 = 2u; // mirror rays of pixels from known first hits on
-const ANY_PATHS: u32 = 3u;
-
-override MIRRORS: bool = true; // with ANY_PATHS: whether mirror rays are followed, where pixels reflect
+override MIRRORS: bool = true; // with LEAVES_PIXELS: whether mirror rays are followed, where pixels reflect
 
 // Whether hits are shaded. false: the same rays are followed and their hits written, to measure how
 // much of the time traversal takes.
@@ -27,21 +22,21 @@ override SHADE: bool = true;
 const FIRST_ENDING: u32 = 4u; // number of vertices before Russian roulette starts
 const MOST_LIKELY: f32 = 0.95; // maximum survival probability
 
-// With ANY_PATHS, whose paths start at the surfaces of pixels: the light that their first rays bring, and these rays.
+// With LEAVES_PIXELS: the light that first rays bring, and these rays.
 var<private> start_light: u32 = ANY_LIGHT;
 var<private> first_ray: Reflected;
 var<private> path_weight: vec3f = vec3f(1.0);
 var<private> path_vertices: u32 = 0u;
 var<private> first_m: f32 = FAR_M; // length of the first ray that was followed, unless it was scattered in a solid
 var<private> free_start_m: f32 = 0.0; // length of the first ray that the march has found free
-var<private> first_hit: vec4u = vec4u(0u, NONE, NONE, 0u); // distance, instance and triangle, of MIRROR_PATHS
+var<private> first_hit: vec4u = vec4u(0u, NONE, NONE, NONE); // distance, instance and triangle, of a mirror ray
 var<private> is_known: bool = false; // whether the first hit is known; light is scattered alone there
 var<private> known_hit: Hit;
-// How the first ray of MIRROR_PATHS ended in a map; CAUSE_UNMARCHED where trees ended it.
+// How a mirror ray of a pixel ended in a map; CAUSE_UNMARCHED where trees ended it.
 var<private> first_cause: u32 = CAUSE_UNMARCHED;
 
 fn is_mirrored() -> bool {
-    return PATHS == MIRROR_PATHS || PATHS == HIT_PATHS || (PATHS == ANY_PATHS && MIRRORS && HAS_REFLECTIONS && start_light == MIRRORED_LIGHT);
+    return LEAVES_PIXELS && MIRRORS && HAS_REFLECTIONS && start_light == MIRRORED_LIGHT;
 }
 
 // Number of hits after which the path ends: crossings, scatterings and known hits do not count as bounces.
@@ -153,7 +148,7 @@ fn survival(weight: vec3f, u: f32) -> f32 {
     return 1.0 / chance;
 }
 
-// First ray of a path, and the point where it starts. With ANY_PATHS: the surface that it starts at, where the ray arrives.
+// First ray of a path, and the point where it starts. With LEAVES_PIXELS: the surface that it starts at, where the ray arrives.
 struct Start {
     ray: Reflected,
     origin: vec3f,
@@ -163,7 +158,7 @@ struct Start {
 // The nearest hit of a ray of a path, up to a distance.
 fn hit_of_path(origin: vec3f, direction: vec3f, most_m: f32, is_first: bool) -> Hit {
     if (is_known && is_first) { return known_hit; }
-    if (PATHS == FREE_PATHS || PATHS == HIT_PATHS || (MAPPED && !is_mirrored())) { return trace_nearest(origin, direction, 0.0, most_m); }
+    if (!LEAVES_PIXELS || (MAPPED && !is_mirrored())) { return trace_nearest(origin, direction, 0.0, most_m); }
     let end_m = select(most_m, min(reach_m(), most_m), is_mirrored());
     let h = closest_hit(origin, direction, select(0.0, free_start_m, is_first), end_m);
     if (is_first) { first_cause = map_cause; }
@@ -183,11 +178,11 @@ fn gathered_by_path(pixel: vec2u, vertex: u32, hits: u32, start: Start, first: C
     var uncovered = 1.0; // share that the surfaces met so far leave uncovered
     var s = start.at;
     var is_scattered = false;
-    var leaves = PATHS == ANY_PATHS; // whether the path leaves the surface or the point of a scattering
+    var leaves = LEAVES_PIXELS; // whether the path leaves the surface or the point of a scattering
     for (var k = 0u; ; k++) {
         // All rays leave here, as drivers inline each call.
         if (leaves) {
-            let is_start = PATHS == ANY_PATHS && k == 0u;
+            let is_start = LEAVES_PIXELS && k == 0u;
             if (HAS_SCATTERING && is_scattered) {
                 ray = scattered_within(s, throughput);
             } else {
@@ -206,7 +201,7 @@ fn gathered_by_path(pixel: vec2u, vertex: u32, hits: u32, start: Start, first: C
         }
         leaves = true;
         let most = max(throughput.x, max(throughput.y, throughput.z));
-        if (k >= most_hits() || most < frame.dimmest || (PATHS == ANY_PATHS && most <= 0.0)) { break; }
+        if (k >= most_hits() || most < frame.dimmest || (LEAVES_PIXELS && most <= 0.0)) { break; }
         start_samples(pixel, vertex + k);
         let flight = free_flight(select(throughput, vec3f(0.0), is_mirrored() && k == 0u));
         let h = hit_of_path(origin, ray.direction, flight.length_m, k == 0u);
@@ -215,7 +210,7 @@ fn gathered_by_path(pixel: vec2u, vertex: u32, hits: u32, start: Start, first: C
         let way_m = min(flight.length_m, end.distance_m);
         throughput *= medium_transmittance(way_m) * flight_weight(flight, way_m, is_scattered);
         if (k == 0u && !is_scattered) { first_m = way_m; }
-        if (is_mirrored() && k == 0u && !end.is_seen) { first_hit = vec4u(bitcast<u32>(h.t), h.instance, h.triangle, 0u); }
+        if (is_mirrored() && k == 0u && !end.is_seen) { first_hit = vec4u(bitcast<u32>(h.t), h.instance, h.triangle, NONE); }
         if (HAS_FOG && SHADE) {
             let air = through_air(origin, ray, end.distance_m);
             color += found_light(throughput * air.light, hits + k);
@@ -251,11 +246,11 @@ fn gathered_by_path(pixel: vec2u, vertex: u32, hits: u32, start: Start, first: C
         let lit_share = select(1.0, media.here.lit_share, is_scattered);
         if (SHADE && lit_share > 0.0) {
             var reused = vec2u(0u);
-            if (REUSES_LIGHT && PATHS != FREE_PATHS && is_mirrored()) { reused = reused_visibility(s); }
+            if (REUSES_LIGHT && is_mirrored()) { reused = reused_visibility(s); }
             color += found_light(throughput * met_light(ray, s, reused) * lit_share, hits + k);
         }
         if (is_known && !HAS_INDIRECT) { break; }
-        if (PATHS != MIRROR_PATHS && AIMS_THROUGH && first_way != ANY_WAY && !is_aimed_through(s)) {
+        if (AIMS_THROUGH && first_way != ANY_WAY && !is_aimed_through(s)) {
             if (first_way == BACK) { break; }
             first_way = ANY_WAY;
         }

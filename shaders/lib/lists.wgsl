@@ -27,9 +27,13 @@ fn hit_slot(index: u32) -> u32 {
     return 2u * picture_px() - 1u - index;
 }
 
-// Slot of a pixel whose ray waits for its neighbors' rays, with UNDERSAMPLED.
+// Slots of pixels with UNDERSAMPLED: whose ray waits for its neighbors' rays, and whose ray is traced first.
 fn follower_slot(index: u32) -> u32 {
     return 2u * picture_px() + index;
+}
+
+fn leader_slot(index: u32) -> u32 {
+    return 3u * picture_px() - 1u - index;
 }
 
 // Slot of a transmissive pixel, in a list that is free until the march lists its rays.

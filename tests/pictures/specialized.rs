@@ -176,7 +176,7 @@ fn passes_are_recorded_only_where_the_method_needs_them() {
         ),
         (
             rate,
-            &["trace_sparse", "upsample"],
+            &["split_rays", "trace_leaders", "upsample"],
             &["rt rate=2", "hybrid rate=4"],
             &["rt rate=1", "ssr rate=4", "path rate=4"],
         ),

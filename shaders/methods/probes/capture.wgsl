@@ -16,7 +16,7 @@
 @group(2) @binding(1) var captured_hits: texture_storage_2d_array<rgba32uint, write>; // distance, instance, triangle, place
 @group(2) @binding(2) var<uniform> params: Params;
 
-const PATHS: u32 = FREE_PATHS;
+const LEAVES_PIXELS: bool = false;
 
 struct Seen {
     light: vec4f, // w: 1 where the ray meets a surface, clear panes left out

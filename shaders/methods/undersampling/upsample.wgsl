@@ -1,22 +1,18 @@
-// Upsample: gives pixels the hits of the rays around them where these agree (Kim et al. 2016), and lists the others for
-// tracing. The geometry of the hit is taken over, not its color: each ray is intersected with the surface that its
-// neighbors hit, and the point is shaded.
+// Upsample: lists pixels with the hits of the rays around them where these agree (Kim et al. 2016), as hits of the march
+// are, and the others for tracing. The geometry of the hit is taken over, not its color: each ray is intersected with the
+// surface that its neighbors hit.
 
 #import cause_stored
+#import cone
 #import gbuffer
 #import leaders
 #import id_intersection
 #import mirror_hit
-#import mirrored
-#import radiance
+#import surface
+#import shade
 #import upsample_params
-#import work
 
-@group(2) @binding(6) var reflection: RadianceTexture;
-@group(2) @binding(11) var lead_hit: texture_2d<u32>;
 @group(2) @binding(12) var<uniform> params: Params;
-
-const PATHS: u32 = HIT_PATHS;
 
 // Hits around a pixel, which are of one instance.
 struct Around {
@@ -44,12 +40,14 @@ fn hits_around(pixel: vec2u, s: Surface) -> Around {
         let place = vec2i(pixel) + leader_offset(pixel, k);
         if (any(place < vec2i(0)) || any(place >= vec2i(frame.size))) { continue; }
         let leader = vec2u(place);
-        let found = textureLoad(lead_hit, leader, 0);
-        if (found.y == NOT_LED || (count > 0u && found.y != around.instance)) { return around; }
+        let ended = textureLoad(written_cause, leader).x & CAUSE_MASK;
+        let found = stored_hit(leader);
+        // Screen hits have barycentrics.
+        if (!reflects(ended) || found.w != NONE || (count > 0u && found.y != around.instance)) { return around; }
         if (!mirrors_alike(s, leader)) { return around; }
         around.instance = found.y;
         around.triangles[k] = found.z;
-        around.cause = max(around.cause, found.w); // causes of maps are the largest
+        around.cause = max(around.cause, select(ended, CAUSE_UNMARCHED, is_traced(ended))); // causes of maps are the largest
         around.distance_m += bitcast<f32>(found.x);
         count++;
     }
@@ -90,9 +88,8 @@ fn meet_around(around: Around, origin: vec3f, direction: vec3f) -> Met {
     return best;
 }
 
-// Whether the reflection of a pixel follows from the reflections around it; it is written then.
-fn follow_neighbors(pixel: vec2u) -> bool {
-    if (is_leader(pixel)) { return false; }
+// Whether the hit of a pixel's ray follows from the hits around it; it is written then.
+fn follows_neighbors(pixel: vec2u) -> bool {
     let first = load_surface(pixel);
     let roughness = reflected_roughness(first);
     if (roughness * roughness > SMOOTH_ALPHA || is_transmissive(first) || has_traced_coat(first)) { return false; }
@@ -100,45 +97,43 @@ fn follow_neighbors(pixel: vec2u) -> bool {
     if (!carries_light(ray)) { return false; }
     let around = hits_around(pixel, first);
     if (!around.is_agreed) { return false; }
-    let origin = ray_origin(first.position, first.geometric_normal);
-    if (around.instance == NONE) {
-        keep_cause(pixel, around.cause);
-        store_hit(pixel, vec4u(0u, NONE, NONE, 0u));
-        textureStore(reflection, pixel, stored(vec4f(seen_at_end(origin, ray, NONE, FAR_M).radiance, 1.0)));
-        return true;
+    var hit = vec4u(0u, NONE, NONE, 0u);
+    if (around.instance != NONE) {
+        let met = meet_around(around, ray_origin(first.position, first.geometric_normal), ray.direction);
+        if (met.distance_m < 0.0 || met.distance_m > frame.ray_length_m) { return false; }
+        let cone = continued(mirrored_cone(pixel_cone(distance(first.position, frame.eye)), first.curvature), met.distance_m);
+        // Paths end at known hits.
+        if (goes_on(surface_at(around.instance, met.triangle, met.bary, ray.direction, cone.width_m))) { return false; }
+        hit = vec4u(bitcast<u32>(met.distance_m), around.instance, met.triangle, pack2x16unorm(met.bary));
     }
-    let met = meet_around(around, origin, ray.direction);
-    if (met.distance_m < 0.0 || met.distance_m > frame.ray_length_m) { return false; }
-    let id = vec2u(around.instance, met.triangle);
-    let cone = continued(mirrored_cone(pixel_cone(distance(first.position, frame.eye)), first.curvature), met.distance_m);
-    if (goes_on(surface_at(id.x, id.y, met.bary, ray.direction, cone.width_m))) { return false; } // shading looks it up again
     keep_cause(pixel, around.cause);
-    is_known = true;
-    known_hit = Hit(met.distance_m, id.x, id.y, met.bary, 0u);
-    textureStore(reflection, pixel, stored(mirrored_light(pixel, first, ray, origin)));
-    store_hit(pixel, vec4u(bitcast<u32>(met.distance_m), id, 0u));
+    store_hit(pixel, hit);
     return true;
 }
 
+var<workgroup> known_count: atomic<u32>;
 var<workgroup> rest_count: atomic<u32>;
+var<workgroup> first_known: u32;
 var<workgroup> first_rest: u32;
 
 @compute @workgroup_size(RAYS_PER_GROUP)
 fn main(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) lane: u32) {
     let index = (group.y * groups.x + group.x) * RAYS_PER_GROUP + lane;
-    var pixel = vec2u(NONE);
-    var place = NONE;
-    if (index < atomicLoad(&counters[FOLLOWER_COUNTER])) {
-        pixel = unpack_pixel(lists[follower_slot(index)]);
-        if (!follow_neighbors(pixel)) { place = atomicAdd(&rest_count, 1u); }
-    } else if (MAPPED && index < atomicLoad(&counters[RAY_COUNTER])) {
-        let leader = unpack_pixel(lists[follower_slot(index)]);
-        keep_cause(leader, textureLoad(lead_hit, leader, 0).w);
+    let is_listed = index < atomicLoad(&counters[FOLLOWER_COUNTER]);
+    var bits = NONE;
+    var place = 0u;
+    var is_followed = false;
+    if (is_listed) {
+        bits = lists[follower_slot(index)];
+        is_followed = follows_neighbors(unpack_pixel(bits));
+        if (is_followed) { place = atomicAdd(&known_count, 1u); } else { place = atomicAdd(&rest_count, 1u); }
     }
     workgroupBarrier();
-    if (lane == 0u) { first_rest = atomicAdd(&counters[REST_COUNTER], atomicLoad(&rest_count)); }
+    if (lane == 0u) {
+        first_known = atomicAdd(&counters[HIT_COUNTER], atomicLoad(&known_count));
+        first_rest = atomicAdd(&counters[REST_COUNTER], atomicLoad(&rest_count));
+    }
     workgroupBarrier();
-    // The list of rays is free: all of it was sorted.
-    if (place != NONE) { lists[ray_slot(first_rest + place)] = pack_pixel(pixel); }
-    if (pixel.x != NONE) { store_work(pixel, 0u); }
+    // The list of rays is free: all of it was split.
+    if (is_listed) { lists[select(ray_slot(first_rest + place), hit_slot(first_known + place), is_followed)] = bits; }
 }

@@ -68,6 +68,8 @@ pub enum Place {
     /// Before the march.
     March,
     /// Before rays are traced for reflections.
+    Split,
+    /// After the first of these rays, where only some are traced first.
     Undersample,
     /// After rays are traced for reflections.
     LookUp,

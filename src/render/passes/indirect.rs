@@ -19,5 +19,5 @@ pub const PASS: Pass = Pass {
 /// Records the pass.
 pub fn record(pass: &ComputePass, frame: &mut SubFrame<'_>) {
     let light = paths::RECEIVED_LIGHT;
-    frame.dispatch_with(pass, &paths::Params { light }, Dispatch::PerPixel);
+    frame.dispatch_with(pass, &paths::Params::new(light), Dispatch::PerPixel);
 }

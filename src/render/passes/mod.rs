@@ -81,11 +81,14 @@ fn rows() -> Vec<FrameRow> {
         // For the list of hits and rays.
         FrameRow::over(&arguments::PASS, Dispatch::Groups(1)),
     ]);
+    // Audits the hits of the march, before others are listed with them.
+    rows.push(FrameRow::new::<audit::Audit>(&audit::PASS));
+    rows.extend(passes_at(Place::Split));
+    rows.push(FrameRow::compute(&trace::LEADERS, trace::record_leaders));
     rows.extend(passes_at(Place::Undersample));
     rows.push(FrameRow::compute(&trace::PASS, trace::record));
     rows.extend(passes_at(Place::LookUp));
     rows.extend([
-        FrameRow::new::<audit::Audit>(&audit::PASS),
         FrameRow::steps(&filter::PASS, filter::STEPS.len(), filter::record),
         FrameRow::steps(&blur::PASS, 2, blur::record),
         FrameRow::steps(&compose::PASS, 2, compose::record),

@@ -25,6 +25,15 @@ gpu_struct! {
     pub struct Params = "Params" {
         /// Kind of the light that is found: [`MIRRORED_LIGHT`], [`LIGHT_BEHIND`] or [`RECEIVED_LIGHT`].
         light: u32,
+        /// 1: the leaders among the mirror rays are followed alone, before the other rays; else 0.
+        leads: u32,
+    }
+}
+
+impl Params {
+    /// Uniforms of a pass that finds this kind of light, by all listed rays.
+    pub fn new(light: u32) -> Self {
+        Self { light, leads: 0 }
     }
 }
 

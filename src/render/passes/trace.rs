@@ -33,10 +33,27 @@ pub const TRAVERSE: Pass = Pass {
 
 /// Records the pass.
 pub fn record(pass: &ComputePass, frame: &mut SubFrame<'_>) {
+    let params = paths::Params::new(paths::MIRRORED_LIGHT);
     let rays = Dispatch::Listed(List::Rays);
-    let light = paths::MIRRORED_LIGHT;
-    frame.dispatch_with(pass, &paths::Params { light }, rays);
+    frame.dispatch_with(pass, &params, rays);
     if let Some(traverse) = frame.instruments.traverse(frame.instrument) {
-        frame.dispatch_with(traverse, &paths::Params { light }, rays);
+        frame.dispatch_with(traverse, &params, rays);
     }
+}
+
+/// Variant that follows the rays which are traced first, where only some are.
+pub const LEADERS: Pass = Pass {
+    name: "trace_leaders",
+    color: [0, 0, 48],
+    needed: |plan, _| plan.features.undersampled,
+    ..PASS
+};
+
+/// Records [`LEADERS`].
+pub fn record_leaders(pass: &ComputePass, frame: &mut SubFrame<'_>) {
+    let params = paths::Params {
+        light: paths::MIRRORED_LIGHT,
+        leads: 1,
+    };
+    frame.dispatch_with(pass, &params, Dispatch::Listed(List::Rays));
 }

@@ -27,7 +27,7 @@ pub fn record(pass: &ComputePass, frame: &mut SubFrame<'_>) {
     let light = paths::LIGHT_BEHIND;
     frame.dispatch_with(
         pass,
-        &paths::Params { light },
+        &paths::Params::new(light),
         Dispatch::Listed(List::Transmissive),
     );
 }

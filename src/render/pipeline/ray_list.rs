@@ -28,7 +28,7 @@ pub const BEHIND_COUNTER: usize = COUNTERS - 8;
 pub const FOLLOWER_COUNTER: usize = COUNTERS - 9;
 /// Index of the counter of followers that are traced after all.
 pub const REST_COUNTER: usize = COUNTERS - 10;
-/// Index of the counter of rays that were traced first, where how they ended is kept.
+/// Index of the counter of leaders: rays that are traced first.
 pub const LEADER_COUNTER: usize = COUNTERS - 11;
 /// Number of list entries per workgroup of the passes over lists.
 pub const RAYS_PER_GROUP: u32 = 64;

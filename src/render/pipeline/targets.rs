@@ -85,8 +85,6 @@ targets! {
     /// Hit of the mirror ray, in layers, since a pass can both read and write numbers of 32 bits alone: distance (bits of
     /// an f32), instance, triangle and barycentrics.
     Hit = "hit": R32Uint;
-    /// Hits of the rays that are traced first, where only some are.
-    LeadHit = "lead_hit": Rgba32Uint, cleared;
     /// Sum of the sub-frames, after even ones.
     ColorEven = "color_even": Rgba32Float;
     /// Sum of the sub-frames, after odd ones.

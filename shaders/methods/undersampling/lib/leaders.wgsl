@@ -2,8 +2,6 @@
 
 #import constants
 
-// Instance of a hit that is not known, as the leader's ray is traced with the others.
-const NOT_LED: u32 = 0x80000000u; // exact in single precision, by which some backends clear textures
 // Number of rays of which one is traced first: 2 in a checkerboard, 4 in blocks of 2 × 2 pixels.
 override RATE: u32 = 2u;
 

@@ -1,18 +1,18 @@
 //! Rays of some pixels only, whose hits the pixels around them share where they agree.
 
-pub mod trace_sparse;
+pub mod split_rays;
 pub mod upsample;
 
 use super::{MethodRow, Place};
-use crate::pipeline::frame_pass::FrameRow;
+use crate::pipeline::{frame_pass::FrameRow, pass::Dispatch, ray_list::List};
 
 /// Entry of undersampling.
 pub(super) const ROW: MethodRow = MethodRow {
     adopt: |own, asked| own.similarity = asked.similarity,
     passes: &[
         (
-            Place::Undersample,
-            FrameRow::compute(&trace_sparse::PASS, trace_sparse::record),
+            Place::Split,
+            FrameRow::over(&split_rays::PASS, Dispatch::Listed(List::Rays)),
         ),
         (
             Place::Undersample,

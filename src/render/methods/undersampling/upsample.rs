@@ -1,4 +1,4 @@
-//! Upsample: gives pixels the hits of the rays around them where these agree, and lists the others for tracing.
+//! Upsample: lists pixels with the hits of the rays around them where these agree, and the others for tracing.
 
 use crate::pipeline::prelude::*;
 
@@ -7,13 +7,12 @@ pub const PASS: Pass = Pass {
     name: "upsample",
     group: PassGroup::Reflection,
     color: [189, 252, 0],
-    reads_shared: &[Counters, ShadowMaps, PixelLists, DispatchSizes],
+    reads_shared: &[Counters, PixelLists, DispatchSizes],
     writes_shared: &[PixelLists, Counters],
     params: Some(Params::LAYOUT),
     needed: |plan, _| plan.features.undersampled,
     overrides: |options| vec![("RATE", f64::from(options.reflection.rate))],
     checks: Checks::TrustedBuiltin,
-    counted: true,
     ..Pass::DEFAULT
 };
 
