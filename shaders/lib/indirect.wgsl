@@ -1,5 +1,5 @@
 // Paths, ray by ray; with diffuse interreflection they also continue in directions that diffuse surfaces scatter.
-// A pass says by LEAVES_PIXELS whether its paths start at the surfaces of pixels, or where it says.
+// A pass says by LEAVES_PIXELS whether its paths start at surfaces of pixels; other paths have a given first ray.
 
 #import in_scattering
 #import cause

@@ -27,11 +27,12 @@ fn hit_slot(index: u32) -> u32 {
     return 2u * picture_px() - 1u - index;
 }
 
-// Slots of pixels with UNDERSAMPLED: whose ray waits for its neighbors' rays, and whose ray is traced first.
+// Slot of a pixel whose ray waits for its neighbors' rays, with UNDERSAMPLED.
 fn follower_slot(index: u32) -> u32 {
     return 2u * picture_px() + index;
 }
 
+// Slot of a pixel whose ray is traced first, with UNDERSAMPLED.
 fn leader_slot(index: u32) -> u32 {
     return 3u * picture_px() - 1u - index;
 }

@@ -42,7 +42,7 @@ fn hits_around(pixel: vec2u, s: Surface) -> Around {
         let leader = vec2u(place);
         let ended = textureLoad(written_cause, leader).x & CAUSE_MASK;
         let found = stored_hit(leader);
-        // Screen hits have barycentrics.
+        // Traced rays alone lead; hits of the march have barycentrics.
         if (!reflects(ended) || found.w != NONE || (count > 0u && found.y != around.instance)) { return around; }
         if (!mirrors_alike(s, leader)) { return around; }
         around.instance = found.y;

@@ -14,7 +14,7 @@ pub const RAY_COUNTER: usize = COUNTERS - 1;
 pub const EXHAUSTED_COUNTER: usize = COUNTERS - 2;
 /// Index of the counter of reflective pixels that are marched.
 pub const REFLECTOR_COUNTER: usize = COUNTERS - 3;
-/// Index of the counter of screen hits.
+/// Index of the counter of screen hits, and of hits that neighbors share.
 pub const HIT_COUNTER: usize = COUNTERS - 4;
 /// Index of the counter of screen hits that the audit checked.
 pub const AUDITED_COUNTER: usize = COUNTERS - 5;
