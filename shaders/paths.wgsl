@@ -1,6 +1,7 @@
 // Paths: follows paths from the surfaces of pixels on, for one kind of light in each dispatch. Passes share this shader, which
 // is mostly the light that paths find, so that drivers compile it once.
-// - Mirrored: follows the mirror rays of the listed pixels through the BVHs, and shades the screen hits of the march.
+// - Mirrored: follows the mirror rays of the listed pixels through the BVHs, and shades hits of the march
+//   and hits that neighbors share.
 // - Behind: follows rays through the transmissive surfaces of the listed pixels, to the surfaces behind.
 // - Received: path traces the diffuse light that the surfaces of pixels receive from other surfaces.
 

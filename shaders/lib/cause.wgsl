@@ -3,7 +3,7 @@
 
 #import constants
 
-// Whether rays may end in maps, so that the causes of leaders are kept.
+// Whether rays may end in maps, so that their causes are kept.
 override MAPPED: bool = false;
 
 fn is_traced(cause: u32) -> bool {

@@ -29,7 +29,7 @@ var<private> path_weight: vec3f = vec3f(1.0);
 var<private> path_vertices: u32 = 0u;
 var<private> first_m: f32 = FAR_M; // length of the first ray that was followed, unless it was scattered in a solid
 var<private> free_start_m: f32 = 0.0; // length of the first ray that the march has found free
-var<private> first_hit: vec4u = vec4u(0u, NONE, NONE, NONE); // distance, instance and triangle, of a mirror ray
+var<private> first_hit: vec4u = vec4u(0u, NONE, NONE, NONE); // of a mirror ray, see mirror_hit.wgsl
 var<private> is_known: bool = false; // whether the first hit is known; light is scattered alone there
 var<private> known_hit: Hit;
 // How a mirror ray of a pixel ended in a map; CAUSE_UNMARCHED where trees ended it.

@@ -1,5 +1,6 @@
 // Lists of a frame, in one buffer because a stage may bind few: reflective pixels, to march or to trace, then rays that the
-// march refused with screen hits from the other end, then the depth pyramid. Transmissive pixels use a list that is free
+// march refused with hits from the other end, then, with UNDERSAMPLED, rays that wait for others with rays that are traced
+// first from the other end, then the depth pyramid. Transmissive pixels use a list that is free
 // before the march. Pixels are x | y << 16.
 
 #import depth_pyramid
@@ -22,7 +23,8 @@ fn ray_slot(index: u32) -> u32 {
     return select(refused_slot(index), reflector_slot(index), is_unmarched);
 }
 
-// Rays and hits together are at most as many as pixels, so that the two lists never overlap.
+// Rays and hits together are at most as many as pixels, so that the two lists never overlap; rays that become hits of
+// neighbors are taken from the list of rays before.
 fn hit_slot(index: u32) -> u32 {
     return 2u * picture_px() - 1u - index;
 }

@@ -1,5 +1,5 @@
-// Hits of the mirror rays of pixels, as passes write them: distance, instance, triangle and barycentrics, in layers that a
-// pass may both read and write.
+// Hits of the mirror rays of pixels, as passes write them: distance, instance, triangle and barycentrics, NONE of a traced
+// ray, in layers that a pass may both read and write.
 
 #import constants
 

@@ -27,8 +27,8 @@ pub struct Report {
     pub passes_total_ms: f64,
     /// Whether that sum and `frame_ms` differ by more than 10 %.
     pub times_disagree: bool,
-    /// Traced pixels per second of the trace pass, if it was timed and shades no hits of a march: further bounces,
-    /// shadow rays and shading are part of its time, not of the count.
+    /// Traced pixels per second of the trace pass, if it was timed, follows all rays and shades no other hits: further
+    /// bounces, shadow rays and shading are part of its time, not of the count.
     pub rays_per_s: Option<f64>,
     /// Time for reading the scene and every file it names, milliseconds.
     pub load_ms: f64,

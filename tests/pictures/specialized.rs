@@ -4,7 +4,9 @@
 use std::{collections::HashSet, path::PathBuf};
 
 use reflet::{
-    render::{buffers::textures::Layers, passes::needed_passes, plan::Plan},
+    render::{
+        buffers::textures::Layers, lighting::lights::LightNeeds, passes::needed_passes, plan::Plan,
+    },
     world::{bvh::Trees, load, load::LoadOptions},
 };
 
@@ -99,7 +101,10 @@ fn compare(
 
 /// Scenes that together drop every feature that some scene drops, and keep every feature that some scene keeps.
 const FEW: [(&str, &[&str]); 2] = [
-    ("scenes/cornell.toml", &[]),
+    (
+        "scenes/cornell.toml",
+        &["material.lamp.light=true", "image.light_rays=1"],
+    ),
     ("scripts/walk.toml", &["image.visibility=rays"]),
 ];
 
@@ -198,6 +203,33 @@ fn passes_are_recorded_only_where_the_method_needs_them() {
                 let is_recorded = passes.iter().any(|pass| pass.name == *name);
                 assert_eq!(is_recorded, is_used, "{set:?}: {name}");
             }
+        }
+    }
+}
+
+#[test]
+fn plans_support_the_lights_of_their_scenes() {
+    for (hard, sized) in (0..3).flat_map(|hard| (0..3).map(move |sized| (hard, sized))) {
+        let kinds = [0.0, 0.1].into_iter().zip([hard, sized]);
+        let radii = kinds.flat_map(|(radius, count)| std::iter::repeat_n(radius, count));
+        let lights = radii.enumerate().map(|(i, radius)| {
+            format!("[light.l{i}]\nkind = \"point\"\nposition = [0, 3, 0]\nintensity_cd = 9\nradius_m = {radius}\n")
+        });
+        let text: String = std::iter::once("version = 1\n".to_owned())
+            .chain(lights)
+            .collect();
+        let (desc, world) = scene(&text, &[]);
+        for general in [false, true] {
+            let options = RenderOptions {
+                general,
+                ..RenderOptions::for_scene(&desc).settled()
+            };
+            let trees = Trees::build(&world, u64::MAX).expect("small");
+            let plan = Plan::for_world(&world, &trees, &Layers::for_world(&world), &options);
+            let needs = LightNeeds::for_lights(&world.lights, &options);
+            assert!(plan.light_needs().cover(needs), "{hard}, {sized}");
+            assert!(general || plan.light_needs() == needs, "{hard}, {sized}");
+            assert_eq!(plan.light_needs().sized > 0, sized > 0, "{hard}, {sized}");
         }
     }
 }

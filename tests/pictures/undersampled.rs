@@ -6,23 +6,36 @@ use crate::kit::*;
 const SCENE: &str = include_str!("undersampled/scene.toml");
 
 const BALL: &str = "instance.ball.translation=[0.3, 0.9, -1]";
+/// The wall leaves the sky in the mirror.
+const SKY: &str = "model.wall.shape={ kind = \"box\", size = [60, 1, 0.1] }";
 const AOVS: [Aov; 3] = [Aov::HitDistance, Aov::HitIds, Aov::Source];
 
 fn shown(rate: u32, set: &[&str]) -> Option<Picture> {
-    let rate = format!("reflection.rate={rate}");
-    let set = [&["reflection.method=rt", &rate], set].concat();
+    shown_by("rt", rate, set)
+}
+
+fn shown_by(method: &str, rate: u32, set: &[&str]) -> Option<Picture> {
+    let settings = [
+        format!("reflection.method={method}"),
+        format!("reflection.rate={rate}"),
+    ];
+    let set = [set, &[&settings[0], &settings[1]]].concat();
     Some(render(gpu()?, SCENE, &set, &AOVS))
 }
 
 /// The hit's geometry is taken over and shaded anew, so that the checker is as sharp as with all rays.
 #[test]
 fn a_mirror_that_shows_one_plane_is_that_of_all_rays() {
-    let Some(all) = shown(1, &[]) else { return };
-    for (rate, most) in [(2, 0.56), (4, 0.32)] {
-        let some = shown(rate, &[]).expect("a GPU");
+    for (set, rate, most) in [
+        (&[][..], 2, 0.56),
+        (&[][..], 4, 0.32),
+        (&[SKY][..], 4, 0.32),
+    ] {
+        let Some(all) = shown(1, set) else { return };
+        let some = shown(rate, set).expect("a GPU");
         let share = f64::from(some.stats.rays) / f64::from(all.stats.rays);
-        assert!(share < most, "rate {rate}: {share} of the rays");
-        assert_eq!(share_differing(&some, &all, 1), 0.0, "rate {rate}");
+        assert!(share < most, "{set:?}, rate {rate}: {share} of the rays");
+        assert_eq!(share_differing(&some, &all, 1), 0.0, "{set:?}, rate {rate}");
         assert_eq!(integers(&some, Aov::HitIds), integers(&all, Aov::HitIds));
         let distances = floats(&some, Aov::HitDistance).iter();
         let apart = distances
@@ -33,6 +46,24 @@ fn a_mirror_that_shows_one_plane_is_that_of_all_rays() {
             });
         assert!(apart.fold(0.0, f32::max) < 1e-4);
     }
+}
+
+/// Hits that neighbors share are listed beside hits of the march, in every sub-frame.
+#[test]
+fn the_march_and_shared_hits_show_what_all_rays_do() {
+    let set = [BALL, "image.samples=2"];
+    let Some(all) = shown_by("hybrid", 1, &set) else {
+        return;
+    };
+    let some = shown_by("hybrid", 2, &set).expect("a GPU");
+    assert!(
+        some.stats.rays + 100 < all.stats.rays,
+        "{} rays",
+        some.stats.rays
+    );
+    assert_eq!(integers(&some, Aov::Source), integers(&all, Aov::Source));
+    let share = share_differing(&some, &all, 4);
+    assert!(share < 0.01, "{share}");
 }
 
 #[test]

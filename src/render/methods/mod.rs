@@ -67,9 +67,9 @@ pub enum Place {
     Capture,
     /// Before the march.
     March,
-    /// Before rays are traced for reflections.
+    /// Before rays are traced for reflections, where only some are traced first.
     Split,
-    /// After the first of these rays, where only some are traced first.
+    /// After these first rays, before the others.
     Undersample,
     /// After rays are traced for reflections.
     LookUp,

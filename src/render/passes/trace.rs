@@ -1,4 +1,4 @@
-//! Trace: follows the mirror rays of the listed pixels through the BVHs, bounce by bounce, and shades the screen hits
+//! Trace: follows the mirror rays of the listed pixels through the BVHs, bounce by bounce, and shades known hits, such as hits
 //! of the march.
 
 use crate::{pipeline::prelude::*, settings::options::RenderOptions};

@@ -80,7 +80,7 @@ impl Renderer {
 
     /// Time of the trace pass without shading, milliseconds: it traces the same rays, and evaluates surfaces only
     /// where a path may continue. Measured right after the trace pass, in a separate frame. `None` without traced
-    /// rays or timestamps.
+    /// rays or timestamps, and where some rays are traced first.
     ///
     /// # Errors
     /// Same errors as [`Renderer::render`].
@@ -142,7 +142,9 @@ impl Renderer {
         match instrument {
             Instrument::Count => set_once(&built.counted, || counted(&builder)),
             Instrument::Traverse
-                if builder.needs(&trace::PASS) && trace::is_enabled(&self.options) =>
+                if builder.needs(&trace::PASS)
+                    && !builder.needs(&trace::LEADERS)
+                    && trace::is_enabled(&self.options) =>
             {
                 set_once(&built.traverse, || {
                     variant(&trace::TRAVERSE, &trace::PASS, "SHADE")

@@ -44,7 +44,7 @@ const _: () = assert!(Cause::ALL.len() <= LEADER_COUNTER);
 pub enum List {
     /// Reflective pixels.
     Reflectors = 0,
-    /// Rays that are traced, and screen hits that are shaded, in workgroups of their own after these.
+    /// Rays that are traced, and hits of the march or of neighbors' rays that are shaded, in workgroups of their own.
     Rays = 1,
     /// Transmissive pixels.
     Transmissive = 2,
@@ -70,7 +70,7 @@ const ARGUMENT_BYTES: u64 = 16;
 pub struct ListedParts {
     /// Whether there are reflective pixels, rays, hits and the pyramid.
     pub reflections: bool,
-    /// Whether there is a list of rays that wait for others.
+    /// Whether there is a list of rays that wait for others, with the rays that are traced first from its other end.
     pub undersampled: bool,
     /// Whether there are transmissive pixels: in a list that is free at that time, or alone.
     pub transmission: bool,
@@ -96,7 +96,8 @@ impl ListedParts {
 /// The list buffer, with its counters and dispatch arguments.
 #[derive(Clone, Debug)]
 pub struct RayList {
-    /// Pixels (x y << 16): reflective ones, then rays with hits from the other end, then the depth pyramid;
+    /// Pixels (x y << 16): reflective ones, then rays with hits from the other end, then rays that wait for others with
+    /// rays that are traced first from the other end, where there are any, then the depth pyramid;
     /// transmissive pixels use a list that is free. Layout: `shaders/lib/lists.wgsl`.
     pub lists: wgpu::Buffer,
     /// Counters of causes, rays and hits; see [`RAY_COUNTER`].

@@ -83,7 +83,7 @@ targets! {
     /// Cause in the low byte; see [`super::cause::Cause`]. Bits above: length of the ray proven free.
     Cause = "cause": R32Uint;
     /// Hit of the mirror ray, in layers, since a pass can both read and write numbers of 32 bits alone: distance (bits of
-    /// an f32), instance, triangle and barycentrics.
+    /// an f32), instance, triangle and barycentrics, all bits set for a traced ray.
     Hit = "hit": R32Uint;
     /// Sum of the sub-frames, after even ones.
     ColorEven = "color_even": Rgba32Float;

@@ -203,7 +203,7 @@ features! {
     }
     /// Whether several lights have a size.
     several_sized_lights {
-        used: scene.is_general() || scene.lights().sized > 1,
+        used: sized_lights && (scene.is_general() || scene.lights().sized > 1),
         constant: SEVERAL_SIZED_LIGHTS,
     }
     /// Whether some directional light has a size.

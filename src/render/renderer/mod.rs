@@ -254,7 +254,7 @@ pub fn adopted(own: &ReflectionDesc, asked: &ReflectionDesc) -> ReflectionDesc {
 /// Checks that a world is an uploaded one in another pose, and that the bindings of its passes fit.
 ///
 /// # Errors
-/// Other meshes, textures, instances or materials, other shadow maps, too many lights.
+/// Other meshes, textures, instances or materials, other shadow maps, more lights where one or none was, too many lights.
 pub(super) fn check_posed(
     world: &World,
     uploaded: &World,
@@ -273,7 +273,7 @@ pub(super) fn check_posed(
     }
     if !bound.fits_lights(&world.lights, options) {
         return refuse(
-            "its lights need other shadow maps or rays than there are; call Renderer::change first"
+            "its lights need other shadow maps, rays or numbers of lights than there are; call Renderer::change first"
                 .to_owned(),
         );
     }

@@ -288,15 +288,17 @@ impl FrameStats {
             && (self.passes_total_ms() - self.frame_ms).abs() > 0.1 * self.frame_ms
     }
 
-    /// Rays per second of the trace pass, if it was timed and shades no hits of a march beside them.
+    /// Rays per second of the trace pass, if it was timed, follows all rays, and shades no hits of a march or of other rays
+    /// beside them.
     pub fn rays_per_s(&self) -> Option<f64> {
-        if self.method.marches() {
+        let ms_of = |pass: &str| {
+            let mut times = self.passes_ms.iter();
+            times.find(|(name, _)| name == pass)
+        };
+        if self.method.marches() || ms_of(trace::LEADERS.name).is_some() {
             return None;
         }
-        let (_, ms) = self
-            .passes_ms
-            .iter()
-            .find(|(name, _)| name == trace::PASS.name)?;
+        let (_, ms) = ms_of(trace::PASS.name)?;
         (*ms > 0.0 && self.rays > 0)
             .then(|| f64::from(self.rays) * f64::from(self.samples) / (ms * 1e-3))
     }
