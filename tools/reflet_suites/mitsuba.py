@@ -7,14 +7,16 @@ scene text has no exact counterpart for is not compared, and the plugin is named
 
 import json
 import math
-from collections.abc import Iterator
+import sys
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from measuring import used
+from measuring import render
+from reflet_usd.convert.gltf_writer import GltfWriter
+from reflet_usd.convert.scene import Node
 from reflet_usd.exr_pixels import read_exr
-from scipy.optimize import brentq
+from scipy.ndimage import convolve1d, map_coordinates
 from scipy.special import erfc
 from tables import Row, write_rows
 
@@ -26,10 +28,12 @@ BUDGET = 2_000_000
 SIGNIFICANCE = 0.01
 RIGHT = 0.9975
 FLOOR = 1e-4
-FINER = 4
-"""Pixels per pixel and axis where a film weighs samples by a Gaussian."""
+FINER = 5
+"""Odd number of pixels per pixel and axis where a film weighs samples by a Gaussian."""
 DENSER = 7
 """Texels per texel and axis of a panorama, so that Reflet's are like Mitsuba's between rows."""
+DEEP = 16
+"""Least `max_depth` that compares with paths without end."""
 MESHES = ("obj", "ply", "serialized", "cube")
 WRAPS = {"repeat": 10497, "mirror": 33648, "clamp": 33071}
 FILTERS = {"nearest": 9728, "bilinear": 9729}
@@ -70,26 +74,26 @@ class Nodes:
         self.state = mi.parser.parse_file(config, str(path), integrator=integrator)
         mi.parser.transform_all(config, self.state)
 
-    def children(self, node: Any) -> Iterator[tuple[str, Any]]:
-        """Nodes that a node refers to, with the names of its properties."""
-        for name, value in node.props.items():
-            if isinstance(value, self.mi.Properties.ResolvedReference):
-                yield name, self.state.nodes[value.index()]
+    def children(self, node: Any) -> dict[str, Any]:
+        """Nodes that a node refers to, by the names of its properties."""
+        reference = self.mi.Properties.ResolvedReference
+        found = {name: of for name, of in node.props.items() if isinstance(of, reference)}
+        return {name: self.state.nodes[of.index()] for name, of in found.items()}
 
     def of(self, node: Any, kind: Any) -> list[Any]:
         """Children of a kind of object."""
-        return [child for _, child in self.children(node) if child.type == kind]
+        return [child for child in self.children(node).values() if child.type == kind]
 
     def made(self, node: Any, **further: Any) -> Any:
-        """Parameters of a node's object, which is made without its children."""
-        plain = dict(further)
+        """Parameters of a node's object, which is made without the node's children."""
+        plain = {"type": node.props.plugin_name(), **further}
         for name, value in node.props.items():
             if not isinstance(value, self.mi.Properties.ResolvedReference):
                 is_transform = name.startswith("to_")
                 plain[name] = self.mi.ScalarTransform4f(value.matrix) if is_transform else value
         if "filename" in plain:
             plain["filename"] = self.file(node)
-        return self.mi.traverse(self.mi.load_dict({"type": node.props.plugin_name(), **plain}))
+        return self.mi.traverse(self.mi.load_dict(plain))
 
     def file(self, node: Any) -> str:
         return str(self.mi.file_resolver().resolve(node.props["filename"]))
@@ -128,25 +132,36 @@ def corners(mesh: Table, name: str, width: int) -> np.ndarray:
     return found.repeat(3, axis=0) if name.startswith("face") else found[mesh["faces"].ravel()]
 
 
-def matte(nodes: Nodes, bsdf: Any, mesh: Table) -> Table:
-    """Keys of a diffuse BSDF's material; a texture is added to it, and an attribute to the mesh."""
-    keys: Table = {"reflectivity": 0}
-    texture = dict(nodes.children(bsdf)).get("reflectance")
-    if texture is None:
-        return keys | {"base_color": nodes.color(bsdf, "reflectance", 0.5)}
-    if texture.props.plugin_name() == "mesh_attribute":
-        mesh["colors"] = corners(mesh, texture.props["name"], 3)
-        return keys
-    mesh["texture"] = image(nodes, texture)
-    return keys
+def material(nodes: Nodes, shape: Any, mesh: Table) -> Table:
+    """Keys of a shape's material; its texture or its colors of vertices are added to the mesh."""
+    bsdf = nodes.of(shape, nodes.kind.BSDF)[0]
+    kind, parts = bsdf.props.plugin_name(), nodes.children(bsdf)
+    kinds = sorted(part.props.plugin_name() for part in parts.values())
+    matte: Table = {"reflectivity": 0, "metallic": 0}
+    if kind == "diffuse" and kinds == ["mesh_attribute"]:
+        mesh["colors"] = corners(mesh, parts["reflectance"].props["name"], 3)
+    elif kind == "diffuse" and kinds:
+        mesh["texture"] = image(nodes, parts["reflectance"])
+    elif kind == "diffuse":
+        matte["base_color"] = nodes.color(bsdf, "reflectance", 0.5)
+    elif kind == "blendbsdf" and kinds == ["diffuse", "diffuse", "mesh_attribute"]:
+        weight = corners(mesh, parts.pop("weight").props["name"], 1)
+        low, high = (np.array(nodes.color(part, "reflectance", 0.5)) for part in parts.values())
+        mesh["colors"] = low + (high - low) * weight
+    elif kind == "dielectric":
+        return glass(nodes, shape, bsdf)
+    else:
+        facets = bsdf.props.get("distribution", "beckmann") if kind.startswith("rough") else ""
+        raise OtherError(f"`{kind}`" + (f" ({facets})" if facets else ""))
+    return matte
 
 
 def image(nodes: Nodes, texture: Any) -> Table:
     """Pixels (sRGB, 8 bits), transform and sampler of a texture."""
     of, mi = texture.props, nodes.mi
     if of.plugin_name() == "checkerboard":
-        dark, light = (nodes.color(texture, f"color{i}", (0.4, 0.2)[i]) for i in (0, 1))
-        bitmap = mi.Bitmap(np.array([[dark, light], [light, dark]], np.float32))
+        first, second = (nodes.color(texture, f"color{i}", (0.4, 0.2)[i]) for i in (0, 1))
+        bitmap = mi.Bitmap(np.array([[first, second], [second, first]], np.float32))
         wrap, smooth = "repeat", "nearest"
     elif of.plugin_name() == "bitmap" and not of.get("raw", False):
         bitmap = mi.Bitmap(nodes.file(texture))
@@ -154,58 +169,27 @@ def image(nodes: Nodes, texture: Any) -> Table:
     else:
         raise OtherError(f"`{of.plugin_name()}`")
     bitmap = bitmap.convert(mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.UInt8, True)
-    turn = np.array(nodes.made(texture)["to_uv"].matrix)
     sampler = {"wrapS": WRAPS[wrap], "wrapT": WRAPS[wrap]}
     sampler |= {"magFilter": FILTERS[smooth], "minFilter": FILTERS[smooth]}
-    return {"bitmap": bitmap, "turn": turn, "sampler": sampler}
-
-
-def material(nodes: Nodes, shape: Any, mesh: Table) -> Table:
-    """Keys of a shape's material."""
-    bsdf = next(iter(nodes.of(shape, nodes.kind.BSDF)), None)
-    kind = bsdf.props.plugin_name() if bsdf else "diffuse"
-    if bsdf is None:
-        return {"reflectivity": 0, "base_color": [0.5, 0.5, 0.5]}
-    if kind == "diffuse":
-        return matte(nodes, bsdf, mesh)
-    inner = nodes.of(bsdf, nodes.kind.BSDF)
-    weight = dict(nodes.children(bsdf)).get("weight")
-    is_matte = all(child.props.plugin_name() == "diffuse" for child in inner)
-    if kind == "blendbsdf" and is_matte and weight.props.plugin_name() == "mesh_attribute":
-        low, high = (np.array(nodes.color(child, "reflectance", 0.5)) for child in inner)
-        mesh["colors"] = low + (high - low) * corners(mesh, weight.props["name"], 1)
-        return {"reflectivity": 0}
-    if kind == "dielectric":
-        return glass(nodes, shape, bsdf)
-    facets = bsdf.props.get("distribution", "beckmann") if kind.startswith("rough") else ""
-    raise OtherError(f"`{kind}`" + (f" ({facets})" if facets else ""))
+    turn = np.array(nodes.made(texture)["to_uv"].matrix)
+    return {"bitmap": bitmap, "sampler": sampler, "turn": turn}
 
 
 def glass(nodes: Nodes, shape: Any, bsdf: Any) -> Table:
     """Keys of a solid that refracts, and scatters where it has a homogeneous medium."""
-    keys = {"transmission": 1, "roughness": 0, "thickness_m": 1, "ior": nodes.made(bsdf)["eta"]}
-    medium = dict(nodes.children(shape)).get("interior")
+    keys: Table = {"metallic": 0, "transmission": 1, "roughness": 0, "thickness_m": 1}
+    keys["ior"] = nodes.made(bsdf)["eta"]
+    medium = nodes.children(shape).get("interior")
     if medium is None:
         return keys
     if medium.props.plugin_name() != "homogeneous":
         raise OtherError(f"`{medium.props.plugin_name()}`")
     extinction = np.array(nodes.color(medium, "sigma_t", 1)) * medium.props.get("scale", 1.0)
-    keys |= {"attenuation_distance_m": 1, "attenuation_color": np.exp(-extinction).tolist()}
-    return keys | {"scattering_color": [*map(thick_color, nodes.color(medium, "albedo", 0.75))]}
-
-
-def thick_color(albedo: float) -> float:
-    """Color of a thick solid whose medium has a single-scattering albedo.
-
-    Kulla and Conty's fit, "Revisiting Physically Based Shading at Imageworks", 2017, gives the
-    albedo of a color, which scene text asks for.
-    """
-
-    def excess(color: float) -> float:
-        root = math.sqrt(9.59217 + 41.6808 * color + 17.7126 * color**2)
-        return 1 - (4.09712 + 4.20863 * color - root) ** 2 - albedo
-
-    return brentq(excess, 0, 1)
+    keys |= {"attenuation_distance_m": 1, "attenuation_color": np.exp(-extinction)}
+    # Scene text asks for the color of a thick solid. Kulla and Conty's fit, "Revisiting Physically
+    # Based Shading at Imageworks", 2017, has the albedo of a color; this is its inverse.
+    root = 4.09712 - np.sqrt(1 - np.array(nodes.color(medium, "albedo", 0.75)))
+    return keys | {"scattering_color": (9.59217 - root**2) / (8.41726 * root - 41.6808)}
 
 
 class Translation:
@@ -213,7 +197,8 @@ class Translation:
 
     def __init__(self, path: Path, folder: Path) -> None:
         self.nodes, self.folder = Nodes(path), folder
-        self.scene: Table = {"version": 1, "material": {}, "model": {}, "light": {}, "instance": []}
+        self.scene: Table = {"version": 1, "image": {"radiance": "full"}, "instance": []}
+        self.scene |= {"material": {}, "model": {}, "light": {}}
         self.others: list[str] = []
         """Plugins that scene text has no exact counterpart for."""
         self.filter, self.size = "", (0, 0)
@@ -222,8 +207,8 @@ class Translation:
         # The integrator is last: its bounds depend on the materials.
         for wanted, translate in (
             (kind.Sensor, self.sensor),
-            (kind.Emitter, self.emitter),
             (kind.Shape, self.shape),
+            (kind.Emitter, self.emitter),
             (kind.Integrator, self.integrator),
         ):
             for child in self.nodes.of(self.nodes.state.root, wanted):
@@ -242,9 +227,11 @@ class Translation:
             self.integrator(self.nodes.of(node, self.nodes.kind.Integrator)[0])
             return
         depth = 2 if kind == "direct" else node.props.get("max_depth", -1)
-        bounds: Table = {"method": "path"}
-        if self.is_matte and 2 <= depth <= 10:
-            bounds = {"method": "rt", "diffuse_bounces": depth - 2}
+        bounds: Table = {"method": "rt", "diffuse_bounces": depth - 2}
+        if not self.is_matte:
+            bounds = {"method": "path"}
+            if depth < DEEP:
+                raise OtherError(f"`max_depth` {depth} with `dielectric`")
         bounds |= {"roughness_cutoff": 1, "glint_limit": 0, "filter": False, "reuse_light": False}
         self.scene["reflection"] = bounds | {"unit_m": 1, "ray_length_u": 1e6}
 
@@ -270,24 +257,25 @@ class Translation:
 
     def emitter(self, node: Any) -> None:
         nodes, kind, of = self.nodes, node.props.plugin_name(), node.props
-        place, lights = nodes.place(node), self.scene["light"]
         light = {"kind": kind, "shadow": "ray"}
         if kind == "constant":
             color = nodes.color(node, "radiance", 1)
             self.scene["environment"] = {"color": color, "shadow": "ray"}
-        elif kind == "envmap" and "to_world" not in of:
-            panorama(nodes, node, self.folder / "panorama.exr")
+            return
+        if kind == "envmap" and "to_world" not in of:
+            if not self.others:
+                panorama(nodes, node, self.folder / "panorama.exr")
             self.scene["environment"] = {"file": "panorama.exr", "intensity": of.get("scale", 1.0)}
-        elif kind == "point":
-            color = nodes.color(node, "intensity", 1)
-            at = {"position": of.get("position", place[:3, 3])}
-            lights[f"l{len(lights)}"] = light | at | {"intensity_cd": 1, "color": color}
+            return
+        if kind == "point":
+            light["position"] = of.get("position", nodes.place(node)[:3, 3])
+            light |= {"intensity_cd": 1, "color": nodes.color(node, "intensity", 1)}
         elif kind == "directional" and "direction" in of:
-            color = nodes.color(node, "irradiance", 1)
-            to = {"direction": of["direction"]}
-            lights[f"l{len(lights)}"] = light | to | {"intensity_lux": 1, "color": color}
+            light["direction"] = of["direction"]
+            light |= {"intensity_lux": 1, "color": nodes.color(node, "irradiance", 1)}
         else:
-            raise OtherError(("textured " if [*nodes.children(node)] else "") + f"`{kind}`")
+            raise OtherError(("textured " if nodes.children(node) else "") + f"`{kind}`")
+        self.scene["light"][f"l{len(self.scene['light'])}"] = light
 
     def shape(self, node: Any, place: np.ndarray | None = None) -> None:
         """A shape, or the shapes of a group, placed by a matrix, 4 × 4."""
@@ -302,14 +290,14 @@ class Translation:
         mesh = {} if kind == "sphere" else mesh_of(nodes, node)
         keys = material(nodes, node, mesh)
         for emitter in nodes.of(node, nodes.kind.Emitter):
-            if kind == "sphere" or [*nodes.children(emitter)]:
+            if kind == "sphere" or nodes.children(emitter):
                 raise OtherError("textured `area`")
             keys |= {"emission": nodes.color(emitter, "radiance", 1), "light": True}
         is_matte = "transmission" not in keys
         self.is_matte &= is_matte
         if kind != "sphere":
-            write_mesh(self.folder, name, mesh, is_matte)
-            self.scene["model"][name] = {"file": f"{name}.gltf", "material": {"front": keys}}
+            write_mesh(self.folder / f"{name}.glb", mesh, is_matte)
+            self.scene["model"][name] = {"file": f"{name}.glb", "material": {"front": keys}}
         elif mesh:
             raise OtherError("textured `sphere`")
         else:
@@ -325,64 +313,41 @@ class Translation:
 def toml(value: Any) -> str:
     if isinstance(value, dict):
         return f"{{ {', '.join(f'{key} = {toml(of)}' for key, of in value.items())} }}"
-    if isinstance(value, (bool, str)):
+    if isinstance(value, (bool, str, int, float)):
         return json.dumps(value)
-    if isinstance(value, (int, float)):
-        return repr(float(value)) if isinstance(value, float) else str(value)
     return f"[{', '.join(toml(of if isinstance(of, dict) else float(of)) for of in value)}]"
 
 
-def write_mesh(folder: Path, name: str, mesh: Table, is_matte: bool) -> None:
-    """Writes a mesh as glTF, with a black back where it is matte: Mitsuba's have one bright side.
+def write_mesh(path: Path, mesh: Table, is_matte: bool) -> None:
+    """Writes a mesh as glTF, whose material `front` the scene overrides.
 
-    Its material is `front`, whose values the scene overrides.
+    Where it is matte it has black backs: a `diffuse` surface of Mitsuba has one bright side.
     """
+    file = GltfWriter()
+    front: Table = {"name": "front", "doubleSided": not is_matte}
     values = {"POSITION": corners(mesh, "vertex_positions", 3)}
     if mesh.get("vertex_normals", np.zeros(0)).size:
         values["NORMAL"] = corners(mesh, "vertex_normals", 3)
-    front: Table = {"name": "front", "doubleSided": not is_matte, "pbrMetallicRoughness": {"metallicFactor": 0}}
-    black = {"baseColorFactor": [0, 0, 0, 1], "metallicFactor": 0}
-    nothing = {"KHR_materials_specular": {"specularFactor": 0}}
-    back = {"name": "back", "pbrMetallicRoughness": black, "extensions": nothing}
-    file: Table = {"asset": {"version": "2.0"}, "materials": [front, back]}
     if "colors" in mesh:
         values["COLOR_0"] = mesh["colors"]
     if "texture" in mesh:
-        texture = mesh["texture"]
-        texture["bitmap"].write(str(folder / f"{name}.png"))
-        turn = texture["turn"]
+        picture, turn = path.with_suffix(".png"), mesh["texture"]["turn"]
+        mesh["texture"]["bitmap"].write(str(picture))
         values["TEXCOORD_0"] = corners(mesh, "vertex_texcoords", 2) @ turn[:2, :2].T + turn[:2, 2]
-        front["pbrMetallicRoughness"]["baseColorTexture"] = {"index": 0}
-        file |= {"images": [{"uri": f"{name}.png"}], "samplers": [texture["sampler"]]}
-        file["textures"] = [{"source": 0, "sampler": 0}]
-    count = len(values["POSITION"])
-    turned = np.arange(count).reshape(-1, 3)[:, ::-1].ravel()
-    parts = [np.asarray(of, np.float32) for of in values.values()] + [turned.astype(np.uint32)]
-    starts = np.cumsum([0, *(part.nbytes for part in parts)])
-    types = {2: "VEC2", 3: "VEC3"}
-    file["bufferViews"] = [
-        {"buffer": 0, "byteOffset": int(start), "byteLength": part.nbytes}
-        for start, part in zip(starts, parts, strict=False)
-    ]
-    file["accessors"] = [
-        {"bufferView": i, "componentType": 5126, "count": count, "type": types[part.shape[1]]}
-        for i, part in enumerate(parts[:-1])
-    ]
-    file["accessors"][0] |= {"min": parts[0].min(axis=0).tolist()}
-    file["accessors"][0] |= {"max": parts[0].max(axis=0).tolist()}
-    last = len(parts) - 1
-    file["accessors"].append(
-        {"bufferView": last, "componentType": 5125, "count": count, "type": "SCALAR"}
-    )
-    attributes = {semantic: i for i, semantic in enumerate(values)}
-    sides: list[Table] = [{"attributes": attributes, "material": 0}]
+        source = file.add_image(picture.read_bytes(), "image/png", picture.name)
+        sampler = file.add("samplers", mesh["texture"]["sampler"])
+        index = file.add("textures", {"source": source, "sampler": sampler})
+        front["pbrMetallicRoughness"] = {"baseColorTexture": {"index": index}}
+    attributes = {name: file.add_floats(of, name == "POSITION") for name, of in values.items()}
+    sides: list[Table] = [{"attributes": attributes, "material": file.add("materials", front)}]
     if is_matte:
-        sides.append({"attributes": attributes, "material": 1, "indices": last})
-    file |= {"meshes": [{"primitives": sides}], "nodes": [{"mesh": 0}], "scenes": [{"nodes": [0]}]}
-    file |= {"scene": 0, "extensionsUsed": list(nothing)}
-    file["buffers"] = [{"uri": f"{name}.bin", "byteLength": int(starts[-1])}]
-    (folder / f"{name}.bin").write_bytes(b"".join(part.tobytes() for part in parts))
-    (folder / f"{name}.gltf").write_text(json.dumps(file), encoding="utf-8")
+        black = {"baseColorFactor": [0, 0, 0, 1], "metallicFactor": 1}
+        index = file.add("materials", {"name": "back", "pbrMetallicRoughness": black})
+        turned = np.arange(mesh["faces"].size, dtype=np.uint32).reshape(-1, 3)[:, ::-1].ravel()
+        back = {"material": index, "indices": file.add_accessor(turned)}
+        sides.append({"attributes": attributes, **back})
+    file.add_nodes([Node("mesh", mesh=file.add("meshes", {"primitives": sides}))], {})
+    file.write(path, {})
 
 
 def panorama(nodes: Nodes, node: Any, path: Path) -> None:
@@ -392,16 +357,13 @@ def panorama(nodes: Nodes, node: Any, path: Path) -> None:
     """
     form, half = nodes.mi.Bitmap.PixelFormat.RGB, nodes.mi.Struct.Type.Float16
     bitmap = nodes.mi.Bitmap(nodes.file(node)).convert(form, half, False)
-    texels = np.array(bitmap, np.float32)
-    height, width = texels.shape[:2]
+    texels = np.pad(np.array(bitmap, np.float32), ((0, 0), (1, 1), (0, 0)), "wrap")
+    height, width = bitmap.height(), bitmap.width()
     rows = (np.arange(DENSER * height) + 0.5) / (DENSER * height) * (height - 1)
-    columns = (np.arange(DENSER * width) + 0.5) / DENSER - 0.5
-    for axis, places in enumerate((rows, columns)):
-        low = np.floor(places).astype(int)
-        share = np.expand_dims(places - low, (1 - axis, 2))
-        first, second = (texels.take(low + i, axis, mode=("clip", "wrap")[axis]) for i in (0, 1))
-        texels = first + (second - first) * share
-    nodes.mi.Bitmap(texels.astype(np.float16)).write(str(path))
+    columns = (np.arange(DENSER * width) + 0.5) / DENSER + 0.5
+    places = np.meshgrid(rows, columns, indexing="ij")
+    dense = [map_coordinates(channel, places, order=1) for channel in texels.transpose(2, 0, 1)]
+    nodes.mi.Bitmap(np.stack(dense, axis=2).astype(np.float16)).write(str(path))
 
 
 def gaussian(fine: Picture) -> Picture:
@@ -409,35 +371,26 @@ def gaussian(fine: Picture) -> Picture:
 
     Its standard deviation is .5 pixels, its radius 2, where it ends at 0 (gaussian.cpp).
     """
-    reach = 2 * FINER
-    places = (np.arange(-reach, reach + FINER) + 0.5) / FINER - 0.5
-    weights = np.maximum(np.exp(-2 * places**2) - math.exp(-8), 0)
-    for _ in range(2):
-        count = fine.shape[0] // FINER
-        padded = np.pad(fine, ((reach, reach), (0, 0), (0, 0)))
-        inside = np.pad(np.ones(len(fine)), reach)
-        spans = [slice(i * FINER, i * FINER + len(weights)) for i in range(count)]
-        sums = [np.tensordot(weights, padded[s], 1) / (weights @ inside[s]) for s in spans]
-        fine = np.stack(sums).swapaxes(0, 1)
-    return fine
+    places = np.arange(-2 * FINER, 2 * FINER + 1) / FINER
+    weights = np.exp(-2 * places**2) - math.exp(-8)
+    kept = np.ones(fine.shape)
+    for axis in (0, 1):
+        fine, kept = (convolve1d(of, weights, axis, mode="constant") for of in (fine, kept))
+    return (fine / kept)[FINER // 2 :: FINER, FINER // 2 :: FINER]
 
 
 def draw(program: Path, folder: Path, scene: Translation) -> tuple[Picture, int]:
     """Reflet's picture in linear light, and the number of samples of its pixels."""
     width, height = scene.size
-    samples = BUDGET // (width * height)
     finer = 1 if scene.filter == "box" else FINER
-    each = max(samples // finer**2, 1)
+    samples = max(BUDGET // (width * height * finer**2), 1)
     text, picture = folder / "scene.toml", folder / "picture.exr"
     text.write_text(scene.text(), encoding="utf-8")
     if not picture.exists():
-        size = f"{width * finer}x{height * finer}"
-        command = [program, "render", text, "-o", picture, "--size", size, "--no-project"]
-        ran = used([*command, "--samples", str(each), "--set", 'image.radiance="full"'])
-        if ran.code != 0:
-            raise OtherError(ran.said)
+        count = ["--samples", str(samples), "--no-project"]
+        render(program, text, picture, (width * finer, height * finer), *count)
     fine = read_exr(picture.read_bytes())[..., :3].astype(float)
-    return (gaussian(fine) if finer > 1 else fine), each * finer**2
+    return (fine if finer == 1 else gaussian(fine)), samples * finer**2
 
 
 def compare(program: Path, path: Path, folder: Path) -> Row:
@@ -465,6 +418,10 @@ def compare(program: Path, path: Path, folder: Path) -> Row:
 
 def measure(program: Path, suite: Path, out: Path) -> None:
     """Writes mitsuba.csv: a row for each scene that Mitsuba's tests render."""
+    try:
+        import mitsuba  # noqa: F401
+    except ImportError:
+        sys.exit("the Python package mitsuba is not installed; `pip install mitsuba`")
     rows: list[Row] = []
     for path in sorted((suite / FOLDER).glob("*/*.xml")):
         rows.append(compare(program, path, out / path.parent.name / path.stem))
