@@ -1,7 +1,8 @@
 """Suites of others, whose folders are given: Reflet's pictures beside theirs (docs/suites.md).
 
 --suite names a folder with clones of the suites' repositories, by their names. A measurement takes
-two cores without a GPU forty minutes for `fidelity` and five for `imaging`.
+two cores without a GPU forty minutes for `fidelity` and five for each of the others. `mitsuba` needs
+the Python package of that name.
 """
 
 import shutil
@@ -9,14 +10,15 @@ import statistics
 import sys
 from pathlib import Path
 
-from reflet_suites import fidelity, imaging
-from tables import Rows, by, read_rows, table, values
+from reflet_suites import fidelity, imaging, mitsuba
+from tables import Rows, by, read_rows, table, table_of, values
 
 from documents.document import DATA, Document, Run, in_places
 
 PARTS = {
     "fidelity": (fidelity.measure, fidelity.CONFIG),
     "imaging": (imaging.measure, imaging.LIST),
+    "mitsuba": (mitsuba.measure, mitsuba.LIST),
 }
 """Measurements, each with the file that lists its scenarios."""
 
@@ -95,12 +97,35 @@ def tests(rows: Rows) -> str:
     return table(head, [line for _, line in sorted(lines, key=lambda pair: pair[0])])
 
 
+def scenes(rows: Rows) -> str:
+    """Scenes of Mitsuba that are compared, wrong ones first."""
+    compared = sorted((row for row in rows if row["passed"]), key=lambda row: float(row["passed"]))
+    columns = {
+        "scene": "{scene}",
+        "values that pass": "{passed:.2%}",
+        "samples": "{samples}",
+        "mean of Mitsuba": "{mitsuba:.4f}",
+        "of Reflet": "{reflet:.4f}",
+    }
+    return table_of(compared, columns)
+
+
+def others(rows: Rows) -> str:
+    """Scenes of Mitsuba that are not compared, by their plugins."""
+    grouped = by((row for row in rows if row["others"]), "others").items()
+    lines = [[what, ", ".join(row["scene"] for row in of)] for (what,), of in grouped]
+    return table(["without an exact counterpart", "scenes"], sorted(lines))
+
+
 def tables() -> dict[str, str]:
     ranked = fidelity.rank_rows(DATA / "suite-fidelity.csv")
+    mitsubas = read_rows(DATA / "suite-mitsuba.csv")
     return {
         "places": places(ranked),
         "farthest": farthest(ranked),
         "tests": tests(read_rows(DATA / "suite-imaging.csv")),
+        "scenes": scenes(mitsubas),
+        "others": others(mitsubas),
     }
 
 

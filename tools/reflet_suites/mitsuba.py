@@ -105,7 +105,9 @@ class Nodes:
 
     def color(self, node: Any, name: str, default: float) -> list[float]:
         """Linear color of a property that is no texture; not bounded by 1."""
-        found = node.props.get_emissive_texture(name, default)
+        props, is_light = node.props, node.type == self.kind.Emitter
+        read = props.get_emissive_texture if is_light else props.get_unbounded_texture
+        found = read(name, default)
         return [float(value) for value in found.eval(self.mi.SurfaceInteraction3f())]
 
 
