@@ -1,38 +1,39 @@
 """Suites of others, whose folders are given: Reflet's pictures beside theirs (docs/suites.md).
 
 --suite names a folder with clones of the suites' repositories, by their names. A measurement takes
-two cores without a GPU forty minutes for `fidelity` and five for each of the others. `mitsuba` needs
-the Python package of that name.
+two cores without a GPU forty minutes for `fidelity` and up to ten for each of the others. The part
+`mitsuba` needs the Python package of that name.
 """
 
 import shutil
 import statistics
 import sys
+from collections import Counter, defaultdict
 from pathlib import Path
 
-from reflet_suites import fidelity, imaging, mitsuba
+from reflet_suites import fidelity, imaging, materialx, mitsuba
 from tables import Rows, by, read_rows, table, table_of, values
 
 from documents.document import DATA, Document, Run, in_places
 
 PARTS = {
-    "fidelity": (fidelity.measure, fidelity.CONFIG),
-    "imaging": (imaging.measure, imaging.LIST),
-    "mitsuba": (mitsuba.measure, mitsuba.LIST),
+    "fidelity": (fidelity.measure, (fidelity.CONFIG,)),
+    "imaging": (imaging.measure, (imaging.LIST,)),
+    "mitsuba": (mitsuba.measure, (mitsuba.FOLDER,)),
+    "materialx": (materialx.measure, materialx.FOLDERS),
 }
-"""Measurements, each with the file that lists its scenarios."""
+"""Measurements, each with what it reads, of which one has to be there."""
 
 
 def measure(run: Run) -> None:
     if run.suite is None or not run.suite.is_dir():
         sys.exit(f"--suite must name a folder with clones of the suites; there is no {run.suite}")
-    for name, (part, listed) in PARTS.items():
+    for name, (part, places) in PARTS.items():
         if not run.wants(name):
             continue
-        if not (run.suite / listed).is_file():
-            sys.exit(
-                f"{run.suite} lacks {listed}; clone its repository there, or name --only others"
-            )
+        if not any((run.suite / place).exists() for place in places):
+            lacks = f"{run.suite} lacks {' and '.join(places)}"
+            sys.exit(f"{lacks}; clone the repository there, or name --only others")
         part(run.program, run.suite, run.out / name)
 
 
@@ -117,15 +118,47 @@ def others(rows: Rows) -> str:
     return table(["without an exact counterpart", "scenes"], sorted(lines))
 
 
+def documents(rows: Rows) -> str:
+    """MaterialX documents by their folders."""
+    lines = []
+    grouped: dict[str, Rows] = defaultdict(list)
+    for row in rows:
+        grouped[f"{row['repository']} {row['document'].rpartition('/')[0]}".strip()].append(row)
+    for name, of in grouped.items():
+        refused = Counter(f"`{row['refused']}`" for row in of if row["refused"])
+        whole = sum(not row["refused"] and row["losses"] in ("", materialx.MODEL) for row in of)
+        counts = [len(of), sum(map(int, values(of, "materials"))), len(of) - refused.total(), whole]
+        said = ", ".join(f"{error}: {number}" for error, number in refused.items())
+        lines.append([name, *map(str, counts), said])
+    head = ["documents", "number", "materials", "converted", "with all inputs", "refused"]
+    return table(head, lines)
+
+
+def losses(rows: Rows) -> str:
+    """Losses of documents, the most frequent first."""
+    having: dict[str, list[str]] = defaultdict(list)
+    for row in rows:
+        for loss in filter(None, row["losses"].split("; ")):
+            having[loss].append(row["document"].rpartition("/")[2].removesuffix(".mtlx"))
+    lines = []
+    for loss, of in sorted(having.items(), key=lambda pair: (-len(pair[1]), pair[0])):
+        name, _, detail = loss.rstrip(")").partition(" (")
+        lines.append([f"`{name}`", detail, str(len(of)), ", ".join(of) if len(of) < 6 else "…"])
+    return table(["warning", "of", "documents", "namely"], lines)
+
+
 def tables() -> dict[str, str]:
     ranked = fidelity.rank_rows(DATA / "suite-fidelity.csv")
     mitsubas = read_rows(DATA / "suite-mitsuba.csv")
+    materials = read_rows(DATA / "suite-materialx.csv")
     return {
         "places": places(ranked),
         "farthest": farthest(ranked),
         "tests": tests(read_rows(DATA / "suite-imaging.csv")),
         "scenes": scenes(mitsubas),
         "others": others(mitsubas),
+        "documents": documents(materials),
+        "losses": losses(materials),
     }
 
 

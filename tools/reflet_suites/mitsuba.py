@@ -21,12 +21,9 @@ from scipy.special import erfc
 from tables import Row, write_rows
 
 FOLDER = "mitsuba-data/tests/scenes"
-LIST = f"{FOLDER}/bsdf_spheres/test_textured_diffuse_path.xml"
-"""A scene of the suite, by which its folder is known."""
 BUDGET = 2_000_000
 """Samples of a picture, whatever its size: `sample_budget` of Mitsuba's test_renders.py."""
 SIGNIFICANCE = 0.01
-RIGHT = 0.9975
 FLOOR = 1e-4
 FINER = 5
 """Odd number of pixels per pixel and axis where a film weighs samples by a Gaussian."""
