@@ -1,11 +1,13 @@
 """tools/reflet_suites: scores of made-up pictures, and folders of suites without their files."""
 
+import subprocess
 from pathlib import Path
 
 import numpy as np
 import pytest
 from PIL import Image
-from reflet_suites import fidelity, imaging, scores
+from program import BINARY
+from reflet_suites import fidelity, imaging, materialx, mitsuba, scores
 
 GRAY, BLACK = np.full((8, 8, 3), 0.5), np.zeros((8, 8, 3))
 CLEAR = (1.0, 0.5, 0.1)
@@ -38,3 +40,68 @@ def test_what_a_scenario_lacks_is_named(tmp_path: Path) -> None:
         fidelity.draw(Path("reflet"), tmp_path, tmp_path, view, 256, "aces")
     seen = scores.on_white(Image.new("RGBA", (4, 4), (0, 0, 0, 51)), (2, 2))
     assert seen == pytest.approx(np.full((2, 2, 3), 0.8))
+
+
+def test_mitsubas_z_test_has_its_numbers_by_hand() -> None:
+    mean = np.zeros((1, 2, 3))
+    # Of 2 pixels, .5013 % is the correction of 1 %, where |z| is 2.806.
+    reference = np.array([[[2.7, 2.9, 0.0], [0.0027, 0.0029, -2.9]]])
+    variance = np.array([[[100.0, 100.0, 100.0], [0.0, 0.0, 100.0]]])
+    assert mitsuba.z_test(mean, reference, variance, 100) == 3 / 6
+
+
+def test_a_film_of_mitsuba_weighs_samples_by_its_gaussian() -> None:
+    fine = np.zeros((35, 35, 1))
+    fine[17, 17] = 1  # the middle of the middle pixel
+    coarse = mitsuba.gaussian(fine)[:, :, 0]
+    assert coarse[3, 4] / coarse[3, 3] == pytest.approx(
+        (np.exp(-2) - np.exp(-8)) / (1 - np.exp(-8))
+    )
+    assert mitsuba.gaussian(np.ones((10, 15, 3))) == pytest.approx(np.ones((2, 3, 3)))
+
+
+SCENE = """<scene version="3.0.0">
+  <integrator type="moment"><integrator type="$integrator"><integer name="max_depth" value="3"/>
+  </integrator></integrator>
+  <sensor type="orthographic"><film type="hdrfilm"><integer name="width" value="8"/>
+    <integer name="height" value="4"/><rfilter type="box"/></film></sensor>
+  <emitter type="point"><rgb name="intensity" value="1 2 3"/></emitter>
+  <shape type="sphere"><float name="radius" value="2"/>
+    <bsdf type="SURFACE"><rgb name="reflectance" value=".1 .2 .3"/></bsdf></shape>
+</scene>"""
+
+
+def test_a_scene_of_mitsuba_is_translated_or_its_plugin_named(tmp_path: Path) -> None:
+    pytest.importorskip("mitsuba", reason="the independent renderer is not installed")
+    path = tmp_path / "test_path.xml"
+    path.write_text(SCENE.replace("SURFACE", "diffuse"), encoding="utf-8")
+    found = mitsuba.Translation(path, tmp_path)
+    assert (found.others, found.size, found.filter) == ([], (8, 4), "box")
+    assert found.scene["material"]["m0"]["base_color"] == pytest.approx([0.1, 0.2, 0.3])
+    assert found.scene["camera"]["main"]["orthographic_height_m"] == 1
+    assert found.scene["reflection"]["diffuse_bounces"] == 1
+    (tmp_path / "scene.toml").write_text(found.text(), encoding="utf-8")
+    checked = subprocess.run([BINARY, "check", tmp_path / "scene.toml"], check=False)
+    assert checked.returncode == 0
+    path.write_text(SCENE.replace("SURFACE", "plastic"), encoding="utf-8")
+    assert mitsuba.Translation(path, tmp_path).others == ["`plastic`"]
+
+
+def test_losses_of_materialx_documents_are_named(tmp_path: Path) -> None:
+    pytest.importorskip("MaterialX", reason="the reader of documents is not installed")
+    document = tmp_path / "paint.mtlx"
+    surface = '<{kind} name="s" type="surfaceshader"/>\n'
+    material = '<surfacematerial name="m" type="material"><input name="surfaceshader" '
+    material += 'type="surfaceshader" nodename="s"/></surfacematerial>'
+    for kind, losses in {
+        "gltf_pbr": "",
+        "disney_principled": "material-unsupported (ND_disney_principled); shader-unused",
+    }.items():
+        text = surface.format(kind=kind) + material
+        document.write_text(f'<materialx version="1.39">\n{text}\n</materialx>', encoding="utf-8")
+        out = tmp_path / kind
+        out.mkdir()
+        row = materialx.convert(document, tmp_path, out)
+        assert row == {"materials": "1", "refused": "", "losses": losses}
+    document.write_text("<materialx", encoding="utf-8")
+    assert materialx.convert(document, tmp_path, out)["refused"] == "materialx-unreadable"
