@@ -29,6 +29,8 @@ FINER = 5
 """Odd number of pixels per pixel and axis where a film weighs samples by a Gaussian."""
 DENSER = 7
 """Texels per texel and axis of a panorama, so that Reflet's are like Mitsuba's between rows."""
+MOST_BOUNCES = 8
+"""Most `diffuse_bounces` of scene text."""
 DEEP = 16
 """Least `max_depth` that compares with paths without end."""
 MESHES = ("obj", "ply", "serialized", "cube")
@@ -133,7 +135,7 @@ def corners(mesh: Table, name: str, width: int) -> np.ndarray:
 
 def material(nodes: Nodes, shape: Any, mesh: Table) -> Table:
     """Keys of a shape's material; its texture or its colors of vertices are added to the mesh."""
-    bsdf = nodes.of(shape, nodes.kind.BSDF)[0]
+    (bsdf,) = nodes.of(shape, nodes.kind.BSDF)
     kind, parts = bsdf.props.plugin_name(), nodes.children(bsdf)
     kinds = sorted(part.props.plugin_name() for part in parts.values())
     matte: Table = {"reflectivity": 0, "metallic": 0}
@@ -226,11 +228,11 @@ class Translation:
             self.integrator(self.nodes.of(node, self.nodes.kind.Integrator)[0])
             return
         depth = 2 if kind == "direct" else node.props.get("max_depth", -1)
-        bounds: Table = {"method": "rt", "diffuse_bounces": depth - 2}
-        if not self.is_matte:
-            bounds = {"method": "path"}
-            if depth < DEEP:
-                raise OtherError(f"`max_depth` {depth} with `dielectric`")
+        bounds: Table = {"method": "path"}
+        if 0 <= depth < DEEP:
+            bounds = {"method": "rt", "diffuse_bounces": depth - 2}
+            if not self.is_matte or depth > MOST_BOUNCES + 2:
+                raise OtherError(f"`max_depth` {depth}")
         bounds |= {"roughness_cutoff": 1, "glint_limit": 0, "filter": False, "reuse_light": False}
         self.scene["reflection"] = bounds | {"unit_m": 1, "ray_length_u": 1e6}
 
@@ -239,6 +241,8 @@ class Translation:
         film = nodes.of(node, nodes.kind.Film)[0]
         weights = nodes.of(film, nodes.kind.ReconstructionFilter)
         self.filter = weights[0].props.plugin_name() if weights else "gaussian"
+        if self.filter not in ("box", "gaussian"):
+            raise OtherError(f"`{self.filter}`")
         width, height = self.size = (film.props["width"], film.props["height"])
         place = nodes.place(node)
         eye, ahead, up = (place[:3, column] for column in (3, 2, 1))
@@ -256,7 +260,7 @@ class Translation:
 
     def emitter(self, node: Any) -> None:
         nodes, kind, of = self.nodes, node.props.plugin_name(), node.props
-        light = {"kind": kind, "shadow": "ray"}
+        light: Table = {"kind": kind, "shadow": "ray"}
         if kind == "constant":
             color = nodes.color(node, "radiance", 1)
             self.scene["environment"] = {"color": color, "shadow": "ray"}
@@ -267,11 +271,11 @@ class Translation:
             self.scene["environment"] = {"file": "panorama.exr", "intensity": of.get("scale", 1.0)}
             return
         if kind == "point":
-            light["position"] = of.get("position", nodes.place(node)[:3, 3])
-            light |= {"intensity_cd": 1, "color": nodes.color(node, "intensity", 1)}
+            light |= {"position": nodes.made(node)["position"], "intensity_cd": 1}
+            light["color"] = nodes.color(node, "intensity", 1)
         elif kind == "directional" and "direction" in of:
-            light["direction"] = of["direction"]
-            light |= {"intensity_lux": 1, "color": nodes.color(node, "irradiance", 1)}
+            light |= {"direction": of["direction"], "intensity_lux": 1}
+            light["color"] = nodes.color(node, "irradiance", 1)
         else:
             raise OtherError(("textured " if nodes.children(node) else "") + f"`{kind}`")
         self.scene["light"][f"l{len(self.scene['light'])}"] = light
@@ -300,12 +304,10 @@ class Translation:
         elif mesh:
             raise OtherError("textured `sphere`")
         else:
-            ball = {"kind": "sphere", "radius": node.props.get("radius", 1.0)}
-            self.scene["material"][name] = keys
+            ball = {"kind": "sphere", "radius": 1}
             self.scene["model"][name] = {"shape": ball, "material": name}
-            moved = np.eye(4)
-            moved[:3, 3] = node.props.get("center", [0, 0, 0])
-            place = place @ nodes.place(node) @ moved
+            self.scene["material"][name] = keys
+            place = place @ np.array(nodes.made(node)["to_world"].matrix)
         self.scene["instance"].append({"model": name, "matrix": place.T.ravel()})
 
 
@@ -397,7 +399,10 @@ def compare(program: Path, path: Path, folder: Path) -> Row:
     row = {"scene": f"{path.parent.name}/{path.stem}", "passed": "", "samples": ""}
     row |= {"mitsuba": "", "reflet": "", "others": ""}
     folder.mkdir(parents=True, exist_ok=True)
-    scene = Translation(path, folder)
+    try:
+        scene = Translation(path, folder)
+    except RuntimeError as error:
+        sys.exit(f"Mitsuba cannot read {path}; is the clone complete?\n{error}")
     if scene.others:
         return row | {"others": ", ".join(sorted(set(scene.others)))}
     picture, samples = draw(program, folder, scene)
