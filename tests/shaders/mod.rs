@@ -80,7 +80,7 @@ impl Shader {
         Ok(Self {
             used: UsedTextures::new(&module, &module),
             // Each of them is a part of a text that is validated as a whole.
-            parts: sampled(Vec::from_iter(sets), 3)
+            parts: sampled(Vec::from_iter(sets), 9)
                 .into_iter()
                 .map(part)
                 .collect::<Result<_, _>>()?,
