@@ -66,16 +66,7 @@ def proven(folder: Path, text: str) -> dict[str, Any]:
 
 
 def test_images_and_constants_of_a_document(tmp_path: Path) -> None:
-    nodes = (
-        image("i", file="c.jpg")
-        + image("r", "float", "r.png", "")
-        + image("n", "vector3", "n.png", "")
-        + '<normalmap name="m" type="vector3"><input name="in" type="vector3" nodename="n" />'
-        + '<input name="scale" type="float" value="0.5" /></normalmap>'
-        + '<output name="c" type="color3" nodename="i" />'
-        + '<output name="r_out" type="float" nodename="r" />'
-        + '<output name="n_out" type="vector3" nodename="m" />'
-    )
+    nodes = text_of("materialx/images_and_constants.mtlx")
     (tmp_path / "tex").mkdir()
     jpeg = save(tmp_path / "tex", "c.jpg", noise("RGB", (16, 16)))
     save(tmp_path / "tex", "r.png", noise("L", (16, 16), 1))
@@ -298,22 +289,7 @@ def test_a_node_without_counterpart_is_named_with_its_material(tmp_path: Path, g
 
 
 def test_values_beyond_single_precision_are_left_out(tmp_path: Path) -> None:
-    steps = "".join(
-        f'<multiply name="m{n + 1}" type="vector2">'
-        f'<input name="in1" type="vector2" nodename="m{n}" />'
-        '<input name="in2" type="float" value="1e30" /></multiply>'
-        for n in range(20)
-    )
-    nodes = (
-        f'<texcoord name="m0" type="vector2" />{steps}'
-        + image("i").replace(
-            "</image>", '<input name="texcoord" type="vector2" nodename="m20" /></image>'
-        )
-        + '<multiply name="x" type="color3"><input name="in1" type="color3" value="1e30, 1, 1" />'
-        '<input name="in2" type="float" value="1e30" /></multiply>'
-        + '<output name="o" type="color3" nodename="i" />'
-        + '<output name="e" type="color3" nodename="x" />'
-    )
+    nodes = text_of("materialx/beyond_single_precision.mtlx")
     save(tmp_path, "t.png", noise("RGB"))
     look_of = surface(base_color="color3 @o", emission="float 1", emission_color="color3 @e")
     done = convert(tmp_path, document(look_of, nodes))

@@ -8,6 +8,7 @@ import pytest
 from PIL import Image
 from program import BINARY
 from reflet_suites import fidelity, imaging, materialx, mitsuba, scores
+from texts import text_of
 
 GRAY, BLACK = np.full((8, 8, 3), 0.5), np.zeros((8, 8, 3))
 CLEAR = (1.0, 0.5, 0.1)
@@ -44,7 +45,7 @@ def test_what_a_scenario_lacks_is_named(tmp_path: Path) -> None:
 
 def test_mitsubas_z_test_has_its_numbers_by_hand() -> None:
     mean = np.zeros((1, 2, 3))
-    # Of 2 pixels, .5013 % is the correction of 1 %, where |z| is 2.806.
+    # The correction of 1 % for 2 pixels is .5013 %, where |z| is 2.806.
     reference = np.array([[[2.7, 2.9, 0.0], [0.0027, 0.0029, -2.9]]])
     variance = np.array([[[100.0, 100.0, 100.0], [0.0, 0.0, 100.0]]])
     assert mitsuba.z_test(mean, reference, variance, 100) == 3 / 6
@@ -60,21 +61,11 @@ def test_a_film_of_mitsuba_weighs_samples_by_its_gaussian() -> None:
     assert mitsuba.gaussian(np.ones((10, 15, 3))) == pytest.approx(np.ones((2, 3, 3)))
 
 
-SCENE = """<scene version="3.0.0">
-  <integrator type="moment"><integrator type="$integrator"><integer name="max_depth" value="3"/>
-  </integrator></integrator>
-  <sensor type="orthographic"><film type="hdrfilm"><integer name="width" value="8"/>
-    <integer name="height" value="4"/><rfilter type="box"/></film></sensor>
-  <emitter type="point"><rgb name="intensity" value="1 2 3"/></emitter>
-  <shape type="sphere"><float name="radius" value="2"/>
-    <bsdf type="SURFACE"><rgb name="reflectance" value=".1 .2 .3"/></bsdf></shape>
-</scene>"""
-
-
 def test_a_scene_of_mitsuba_is_translated_or_its_plugin_named(tmp_path: Path) -> None:
     pytest.importorskip("mitsuba", reason="the independent renderer is not installed")
+    scene = text_of("suites/mitsuba.xml")
     path = tmp_path / "test_path.xml"
-    path.write_text(SCENE.replace("SURFACE", "diffuse"), encoding="utf-8")
+    path.write_text(scene.replace("SURFACE", "diffuse"), encoding="utf-8")
     found = mitsuba.Translation(path, tmp_path)
     assert (found.others, found.size, found.filter) == ([], (8, 4), "box")
     assert found.scene["material"]["m0"]["base_color"] == pytest.approx([0.1, 0.2, 0.3])
@@ -83,7 +74,7 @@ def test_a_scene_of_mitsuba_is_translated_or_its_plugin_named(tmp_path: Path) ->
     (tmp_path / "scene.toml").write_text(found.text(), encoding="utf-8")
     checked = subprocess.run([BINARY, "check", tmp_path / "scene.toml"], check=False)
     assert checked.returncode == 0
-    path.write_text(SCENE.replace("SURFACE", "plastic"), encoding="utf-8")
+    path.write_text(scene.replace("SURFACE", "plastic"), encoding="utf-8")
     assert mitsuba.Translation(path, tmp_path).others == ["`plastic`"]
 
 

@@ -22,7 +22,7 @@ PARTS = {
     "mitsuba": (mitsuba.measure, (mitsuba.FOLDER,)),
     "materialx": (materialx.measure, materialx.FOLDERS),
 }
-"""Measurements, each with what it reads, of which one has to be there."""
+"""Measurements, each with files or folders that it reads, any of which has to be there."""
 
 
 def measure(run: Run) -> None:

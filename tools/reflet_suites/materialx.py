@@ -1,6 +1,6 @@
-"""MaterialX documents of others: which the converter of USD carries, and what each loses.
+"""MaterialX documents of others: which the converter of USD carries, and their losses.
 
-The suite's folder holds clones of MaterialX and OpenPBR, or one of them. A stage that binds each
+The suite's folder holds a clone of MaterialX, of OpenPBR, or both. A stage that binds each
 material of a document to a square of its own is converted like any other.
 """
 

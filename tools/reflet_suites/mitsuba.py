@@ -1,8 +1,8 @@
 """Mitsuba's own test scenes: Reflet's pictures beside Mitsuba's references, by Mitsuba's z-test.
 
-The suite's folder holds a clone of mitsuba-data. Mitsuba reads each scene, and what it has read
-(meshes, transforms, colors, panoramas) becomes scene text and glTF. A scene with a plugin that
-scene text has no exact counterpart for is not compared, and the plugin is named.
+The suite's folder holds a clone of mitsuba-data. Mitsuba reads each scene, and the meshes,
+transforms, colors and panoramas that it has read become scene text and glTF. A scene with a plugin
+that scene text has no exact counterpart for is not compared, and the plugin is named.
 """
 
 import json
