@@ -154,6 +154,17 @@ fn so_do_further_scenes_with_rays_and_other_methods() {
     }
 }
 
+/// Plan of a scene, and its options; `general`: the plan of the general frame.
+fn planned(desc: &SceneDesc, world: &World, general: bool) -> (Plan, RenderOptions) {
+    let options = RenderOptions {
+        general,
+        ..RenderOptions::for_scene(desc).settled()
+    };
+    let trees = Trees::build(world, u64::MAX).expect("small");
+    let plan = Plan::for_world(world, &trees, &Layers::for_world(world), &options);
+    (plan, options)
+}
+
 /// Passes that only some methods need, and settings with and without them. Nothing of the room with probes is rough.
 #[test]
 fn passes_are_recorded_only_where_the_method_needs_them() {
@@ -195,15 +206,36 @@ fn passes_are_recorded_only_where_the_method_needs_them() {
                 .collect();
             let set: Vec<&str> = set.iter().map(String::as_str).collect();
             let (desc, world) = scene(text, &set);
-            let options = RenderOptions::for_scene(&desc).settled();
-            let trees = Trees::build(&world, u64::MAX).expect("small");
-            let plan = Plan::for_world(&world, &trees, &Layers::for_world(&world), &options);
+            let (plan, options) = planned(&desc, &world, false);
             let passes = needed_passes(&plan, &options);
             for name in names {
                 let is_recorded = passes.iter().any(|pass| pass.name == *name);
                 assert_eq!(is_recorded, is_used, "{set:?}: {name}");
             }
         }
+    }
+}
+
+/// A sharp clear coat reflects in place of the layer below, unless there is hardly any coat.
+#[test]
+fn only_what_may_reflect_roughly_is_smoothed() {
+    for (keys, is_smoothed) in [
+        ("roughness = 0.5", true),
+        ("roughness = 0.5\nclearcoat = 1", false),
+        (
+            "roughness = 0.5\nclearcoat = 1\nclearcoat_roughness = 0.3",
+            true,
+        ),
+        ("roughness = 0.5\nclearcoat = 0.001", true),
+        ("roughness = 0", false),
+    ] {
+        let text = format!(
+            "version = 1\n[material.ball]\n{keys}\n[model.ball]\nshape = {{ kind = \"sphere\" }}\n\
+             material = \"ball\"\n[[instance]]\nmodel = \"ball\"\n"
+        );
+        let (desc, world) = scene(&text, &["reflection.roughness_cutoff=1"]);
+        let (plan, _) = planned(&desc, &world, false);
+        assert_eq!(plan.features.smoothed_reflections, is_smoothed, "{keys}");
     }
 }
 
@@ -220,12 +252,7 @@ fn plans_support_the_lights_of_their_scenes() {
             .collect();
         let (desc, world) = scene(&text, &[]);
         for general in [false, true] {
-            let options = RenderOptions {
-                general,
-                ..RenderOptions::for_scene(&desc).settled()
-            };
-            let trees = Trees::build(&world, u64::MAX).expect("small");
-            let plan = Plan::for_world(&world, &trees, &Layers::for_world(&world), &options);
+            let (plan, options) = planned(&desc, &world, general);
             let needs = LightNeeds::for_lights(&world.lights, &options);
             assert!(plan.light_needs().cover(needs), "{hard}, {sized}");
             assert!(general || plan.light_needs() == needs, "{hard}, {sized}");

@@ -10,7 +10,7 @@ mod uses;
 use std::collections::BTreeSet;
 
 use reflet_scene::desc::{Method, PatternedKey, ReflectionMode, Visibility};
-use reflet_world::{CORE_SLOTS, Material, World, Wrap, bvh::Trees};
+use reflet_world::{CORE_SLOTS, LayerTexture, Material, World, Wrap, bvh::Trees};
 
 use self::planned_scene::PlannedScene;
 pub use self::{
@@ -26,7 +26,7 @@ use super::{
         lobe_table::SMOOTH_ALPHA,
     },
     settings::{
-        cutoff::{can_reflect, can_reflect_under, is_base_below},
+        cutoff::{can_reflect, can_reflect_under, is_base_below, is_coat_below, packed_coat},
         options::RenderOptions,
         precision::Precision,
     },
@@ -84,6 +84,30 @@ pub fn is_rough_reflector(world: &World, index: usize, cutoff: f32) -> bool {
         && (spread || world.may_change(index) || world.decals.over(index).next().is_some())
         && is_spread(cutoff)
         || transmits_roughly(material)
+}
+
+/// Whether a sharp clear coat covers all of a material, so that its pixels' own reflection rays are never rough.
+fn has_sharp_coat(world: &World, index: usize, cutoff: f32) -> bool {
+    let material = &world.materials[index];
+    let [coat, _] = material.extremes(PatternedKey::Clearcoat);
+    let [_, roughness] = material.extremes(PatternedKey::ClearcoatRoughness);
+    let maps = [LayerTexture::Clearcoat, LayerTexture::ClearcoatRoughness];
+    let is_constant = !world.may_change(index)
+        && world.decals.over(index).next().is_none()
+        && maps
+            .iter()
+            .all(|map| material.layer_texture(*map).is_none());
+    is_constant
+        && packed_coat(coat) > 0.0
+        && is_coat_below(material, cutoff)
+        && !is_spread(packed_coat(roughness))
+}
+
+/// Whether reflections of some instance's own pixels are rough: for surfaces with a clear coat, reflections of the coat.
+fn shows_rough_reflections(world: &World, cutoff: f32) -> bool {
+    (world.instances.iter()).any(|i| {
+        is_rough_reflector(world, i.material, cutoff) && !has_sharp_coat(world, i.material, cutoff)
+    })
 }
 
 /// Whether a material transmits light, by more than a single sharp ray.
