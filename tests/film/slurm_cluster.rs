@@ -105,18 +105,11 @@ impl Cluster {
             let listener = TcpListener::bind("127.0.0.1:0").expect("a free port");
             listener.local_addr().expect("an address").port()
         };
-        let settings = format!(
-            "ClusterName=reflet\nSlurmctldHost={host}(127.0.0.1)\n\
-             AuthType=auth/munge\nAuthInfo=socket={folder}/munge.socket\n\
-             SlurmUser=root\nSlurmdUser=root\nStateSaveLocation={folder}/state\nSlurmdSpoolDir={folder}/spool\n\
-             SlurmctldPidFile={folder}/ctld.pid\nSlurmdPidFile={folder}/d.pid\n\
-             SlurmctldPort={}\nSlurmdPort={}\nProctrackType=proctrack/pgid\nTaskPlugin=task/none\n\
-             ReturnToService=2\nSelectType=select/cons_tres\nSelectTypeParameters=CR_CPU\n\
-             NodeName={host} NodeAddr=127.0.0.1 CPUs=1 State=UNKNOWN\n\
-             PartitionName=all Nodes=ALL Default=YES MaxTime=INFINITE State=UP\n",
-            port(),
-            port()
-        );
+        let settings = include_str!("slurm.conf")
+            .replace("HOST", host)
+            .replace("FOLDER", folder)
+            .replace("FIRST_PORT", &port().to_string())
+            .replace("SECOND_PORT", &port().to_string());
         fs::write(self.folder.join("slurm.conf"), settings).expect("temporary file");
     }
 

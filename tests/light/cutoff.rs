@@ -95,11 +95,8 @@ fn no_light_is_lost_at_the_cutoff() {
 }
 
 /// A lamp before the environment, dimmer than that and wider than the lobe, and a pane before both.
-const LAMP: &str = "[light.lamp]\nkind = \"rect\"\nposition = [-2, 2, 0]\ntarget = [0, 0, 0]\nsize = [2, 2]\n\
-                    intensity_cd = 1\n[[instance]]\nmodel = \"floor\"\n";
-const PANE: &str = "[material.pane]\ntransmission = 1\nroughness = 0\ndouble_sided = true\n[model.pane]\n\
-                    shape = { kind = \"plane\", size = [2.2, 6] }\nmaterial = \"pane\"\n[[instance]]\n\
-                    model = \"pane\"\ntranslation = [-1, 1, 0]\nrotation_deg = [0, 0, 45]\n";
+const LAMP: &str = include_str!("cutoff/lamp.toml");
+const PANE: &str = include_str!("cutoff/pane.toml");
 
 #[test]
 fn lamps_and_panes_hide_the_environment_alike_on_both_sides_of_the_cutoff() {

@@ -71,15 +71,9 @@ fn world(seed: u32, diffuse_bounces: u32) -> String {
     let mut random = Random(u64::from(seed) * 7919 + 1);
     // No features that need other shaders, which take long to compile.
     let cutoff = ["0.2", "1"][seed as usize % 2];
-    let mut text = format!(
-        "version = 1\n[image]\nsize = [40, 40]\nsamples = 4\n[camera.main]\neye = [0, 4, 9]\n\
-         target = [0, 0, 0]\n[reflection]\nmultiple_scattering = true\nroughness_cutoff = {cutoff}\nbounces = 6\ndiffuse_bounces = {diffuse_bounces}\n\
-         [environment]\nzenith = [0.5, 0.7, 1]\nhorizon = [0.4, 0.4, 0.4]\nground = [0, 0, 0]\n\
-         shadow = \"ray\"\n\
-         [light.key]\nkind = \"rect\"\nposition = [0, 3, 0]\ndirection = [0, -1, 0]\nsize = [3, 3]\n\
-         intensity_cd = 100\n[light.lamp]\nkind = \"point\"\nposition = [0, 0, 0]\nradius_m = 0.6\n\
-         intensity_cd = 1000\nshadow = \"ray\"\n",
-    );
+    let mut text = include_str!("random_materials.toml")
+        .replace("CUTOFF", cutoff)
+        .replace("DIFFUSE", &diffuse_bounces.to_string());
     for i in 0..BALLS {
         let [x, z] = [i % 10, i / 10].map(|k| k as f32 - 4.5);
         let _ = write!(

@@ -176,15 +176,11 @@ fn picture_of(folder: &Path, text: &str, set: &[&str], aovs: &[Aov]) -> Option<P
 #[test]
 fn a_decal_is_the_image_as_the_texture_of_a_plane() {
     let scene = |wall: &str, rest: &str| {
-        format!(
-            "version = 1\n[image]\nsize = [48, 32]\ntone_map = \"none\"\n[camera.main]\neye = [0.7, 0.5, 2]\n\
-             target = [0, 0, 0]\nfov_deg = 40\n[environment]\nzenith = [1, 1, 1]\nhorizon = [0.4, 0.5, 0.6]\n\
-             [light.a]\nkind = \"point\"\nposition = [1, 1, 1]\nintensity_cd = 3\nshadow = \"none\"\n\
-             [material.paint]\nbase_color_texture = \"paint.png\"\nnormal_texture = \"slope.png\"\nroughness = 0.6\n\
-             [material.plain]\nroughness = 0.6\nbase_color = [0, 0, 0]\n[model.wall]\n\
-             shape = {{ kind = \"plane\", size = [1.5, 1] }}\nmaterial = \"{wall}\"\n[[instance]]\nmodel = \"wall\"\n\
-             rotation_deg = [90, 0, 0]\n{rest}"
-        )
+        [
+            &include_str!("decals/paint_on_wall.toml").replace("WALL", wall),
+            rest,
+        ]
+        .concat()
     };
     let folder = folder("texture");
     let decal =

@@ -153,14 +153,7 @@ fn files_are_named_from_the_placed_scene() {
 
 #[test]
 fn things_that_a_placed_scene_names_are_its_own() {
-    let car = "\
-        version = 1\n\
-        [model.body]\n\
-        shape = { kind = \"union\", parts = [\n\
-        { shape = { kind = \"text\", text = \"a\", font = \"a.ttf\" } }, { shape = { kind = \"box\" } }] }\n\
-        [material.paint]\nbase_color_texture = \"a.png\"\n\
-        [[instance]]\nname = \"bolt\"\nmodel = \"body\"\nover = { model = \"body\", count = 2 }\n\
-        [decal.mark]\nmaterial = \"paint\"\nonly = [\"bolt\"]\n";
+    let car = include_str!("placed/own_things.toml");
     let shot = "version = 1\n[[instance]]\nmodel = { scene = \"car/car.toml\" }\n";
     let folder = Folder::with(&[
         ("shot/scene.toml", shot),

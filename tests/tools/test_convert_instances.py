@@ -180,12 +180,7 @@ def test_a_reset_stack_deeper_in_a_prototype(tmp_path: Path, kind: str) -> None:
     inner = 'def "N" (\ninstanceable = true\ninherits = </K>\n)\n{\n}\n'
     if kind == "an instancer":
         cube = 'def Cube "C"\n{\n}\n'
-        inner = f"""def PointInstancer "N"
-        {{{RESET}
-            rel prototypes = </K/C>
-            int[] protoIndices = [0]
-            point3f[] positions = [(0, 0, 0)]
-        }}"""
+        inner = text_of("convert_instances/instancer_with_a_reset.usda", reset=RESET)
     text = text_of(
         "convert_instances/a_reset_stack_deeper_in_a_prototype.usda", inner=inner, cube=cube
     )

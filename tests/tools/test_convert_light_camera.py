@@ -70,13 +70,7 @@ def test_color_and_temperature_are_normalized_into_the_intensity(
     [(30, "spot", False), (90, "spot", False), (120, "spot", True), (180, "point", False)],
 )
 def test_cones(tmp_path: Path, angle: int, kind: str, warned: bool) -> None:
-    text = f"""
-def SphereLight "L" (prepend apiSchemas = ["ShapingAPI"]) {{
-    float inputs:shaping:cone:angle = {angle}
-    float inputs:shaping:cone:softness = 0.5
-}}
-"""
-    done = convert_text(tmp_path, text)
+    done = convert_text(tmp_path, text_of("convert_light_camera/cone.usda", angle=angle))
     assert light(done)["type"] == kind
     assert ("cone-clamped" in done.warnings("/L")) == warned
     if kind == "spot":

@@ -18,13 +18,7 @@ BETWEEN = [1, 1.7, 3, 5.5, 8, 8.4, 10.5, 13.1, 16, 19.9, 20]
 
 def moving(folder: Path, op: str, value: str) -> Converted:
     """A cube with one animated op."""
-    text = f"""
-def Cube "C" {{
-    {value}
-    uniform token[] xformOpOrder = ["xformOp:{op}"]
-}}
-"""
-    return convert_text(folder, text)
+    return convert_text(folder, text_of("convert_motion/one_op.usda", value=value, op=op))
 
 
 @needs_splines
