@@ -107,7 +107,7 @@ impl Cluster {
         };
         let settings = include_str!("slurm.conf")
             .replace("HOST", host)
-            .replace("FOLDER", folder)
+            .replace("FOLDER", &folder.to_string())
             .replace("FIRST_PORT", &port().to_string())
             .replace("SECOND_PORT", &port().to_string());
         fs::write(self.folder.join("slurm.conf"), settings).expect("temporary file");

@@ -96,11 +96,14 @@ const NOT_POSED: [(&str, &[Damage]); 4] = [
     ("numbers of lamps", &[|w| w.lamps.push(w.lights[0].clone())]),
     ("other shadow maps", &[|w| w.lights.clear()]),
     (
-        "shadow maps or rays",
-        &[|w| {
-            w.lights.push(w.lights[0].clone());
-            w.lights.last_mut().expect("pushed").desc.shadow = ShadowMode::Ray;
-        }],
+        "shadow maps, rays or numbers of lights",
+        &[
+            |w| w.lights.push(w.lights[0].clone()),
+            |w| {
+                w.lights.push(w.lights[0].clone());
+                w.lights.last_mut().expect("pushed").desc.shadow = ShadowMode::Ray;
+            },
+        ],
     ),
 ];
 
