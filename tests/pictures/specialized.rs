@@ -216,21 +216,21 @@ fn passes_are_recorded_only_where_the_method_needs_them() {
     }
 }
 
-/// A sharp clear coat reflects in place of the layer below, unless there is hardly any coat.
+/// Smoothing goes by the roughness of a clear coat, unless there may be hardly any coat.
 #[test]
 fn only_what_may_reflect_roughly_is_smoothed() {
     for (keys, is_smoothed) in [
-        ("roughness = 0.5", true),
-        ("roughness = 0.5\nclearcoat = 1", false),
+        ("", true),
+        ("clearcoat = 1", false),
+        ("clearcoat = 1\nclearcoat_roughness = 0.3", true),
+        ("clearcoat = 0.001", true),
         (
-            "roughness = 0.5\nclearcoat = 1\nclearcoat_roughness = 0.3",
+            "clearcoat = { pattern = \"noise\", from = 0, to = 1, size_m = 1 }",
             true,
         ),
-        ("roughness = 0.5\nclearcoat = 0.001", true),
-        ("roughness = 0", false),
     ] {
         let text = format!(
-            "version = 1\n[material.ball]\n{keys}\n[model.ball]\nshape = {{ kind = \"sphere\" }}\n\
+            "version = 1\n[material.ball]\nroughness = 0.5\n{keys}\n[model.ball]\nshape = {{ kind = \"sphere\" }}\n\
              material = \"ball\"\n[[instance]]\nmodel = \"ball\"\n"
         );
         let (desc, world) = scene(&text, &["reflection.roughness_cutoff=1"]);

@@ -8,7 +8,7 @@ use super::{
     feature_table::{Dropped, FeatureRow, FileChoice, features},
     mapped_method, may_meet_culled,
     planned_scene::PlannedScene,
-    reflects, reflects_roughly, scatters, shows_rough_reflections, traces_rays, transmits_roughly,
+    reflects, reflects_roughly, scatters, smooths_some_reflection, traces_rays, transmits_roughly,
     uses::{has_coat_normals, passes_light},
 };
 use crate::settings::cutoff::has_specular;
@@ -260,7 +260,7 @@ features! {
     }
     /// Whether rough reflections are smoothed over neighbors.
     smoothed_reflections {
-        used: reflections && shows_rough_reflections(scene.world, scene.cutoff()) && scene.options.smooths(),
+        used: reflections && smooths_some_reflection(scene.world, scene.cutoff()) && scene.options.smooths(),
         constant: SMOOTHS_REFLECTIONS,
     }
     /// Whether diffuse surfaces light each other: diffuse interreflection.

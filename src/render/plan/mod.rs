@@ -26,7 +26,7 @@ use super::{
         lobe_table::SMOOTH_ALPHA,
     },
     settings::{
-        cutoff::{can_reflect, can_reflect_under, is_base_below, is_coat_below, packed_coat},
+        cutoff::{can_reflect, can_reflect_under, is_base_below, packed_coat},
         options::RenderOptions,
         precision::Precision,
     },
@@ -86,7 +86,8 @@ pub fn is_rough_reflector(world: &World, index: usize, cutoff: f32) -> bool {
         || transmits_roughly(material)
 }
 
-/// Whether a sharp clear coat covers all of a material, so that its pixels' own reflection rays are never rough.
+/// Whether a sharp clear coat covers all of a material: smoothing goes by the roughness of the coat there
+/// (`reflected_roughness` in `shaders/lib/layers.wgsl`), and leaves its pixels as they are.
 fn has_sharp_coat(world: &World, index: usize, cutoff: f32) -> bool {
     let material = &world.materials[index];
     let [coat, _] = material.extremes(PatternedKey::Clearcoat);
@@ -97,14 +98,12 @@ fn has_sharp_coat(world: &World, index: usize, cutoff: f32) -> bool {
         && maps
             .iter()
             .all(|map| material.layer_texture(*map).is_none());
-    is_constant
-        && packed_coat(coat) > 0.0
-        && is_coat_below(material, cutoff)
-        && !is_spread(packed_coat(roughness))
+    let roughness = packed_coat(roughness);
+    is_constant && packed_coat(coat) > 0.0 && roughness < cutoff && !is_spread(roughness)
 }
 
-/// Whether reflections of some instance's own pixels are rough: for surfaces with a clear coat, reflections of the coat.
-fn shows_rough_reflections(world: &World, cutoff: f32) -> bool {
+/// Whether smoothing changes the reflections of some instance's own pixels.
+fn smooths_some_reflection(world: &World, cutoff: f32) -> bool {
     (world.instances.iter()).any(|i| {
         is_rough_reflector(world, i.material, cutoff) && !has_sharp_coat(world, i.material, cutoff)
     })

@@ -48,7 +48,7 @@ pub(crate) fn is_base_below(material: &Material, cutoff: f32) -> bool {
 }
 
 /// Whether the lobe of a material's clear coat is below the cut-off, where its texture leaves it so rough.
-pub(crate) fn is_coat_below(material: &Material, cutoff: f32) -> bool {
+fn is_coat_below(material: &Material, cutoff: f32) -> bool {
     let has_map = material
         .layer_texture(LayerTexture::ClearcoatRoughness)
         .is_some();
