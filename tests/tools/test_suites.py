@@ -70,12 +70,15 @@ def test_a_scene_of_mitsuba_is_translated_or_its_plugin_named(tmp_path: Path) ->
     assert (found.others, found.size, found.filter) == ([], (8, 4), "box")
     assert found.scene["material"]["m0"]["base_color"] == pytest.approx([0.1, 0.2, 0.3])
     assert found.scene["camera"]["main"]["orthographic_height_m"] == 1
+    assert found.scene["instance"][0]["matrix"][0] == 2  # the radius
+    assert found.scene["light"]["l0"]["color"] == [1, 2, 3]
     assert found.scene["reflection"]["diffuse_bounces"] == 1
     (tmp_path / "scene.toml").write_text(found.text(), encoding="utf-8")
-    checked = subprocess.run([BINARY, "check", tmp_path / "scene.toml"], check=False)
-    assert checked.returncode == 0
-    path.write_text(scene.replace("SURFACE", "plastic"), encoding="utf-8")
-    assert mitsuba.Translation(path, tmp_path).others == ["`plastic`"]
+    subprocess.run([BINARY, "check", tmp_path / "scene.toml"], check=True)
+    turned = scene.replace("/></film>", "/></film><boolean name='flip' value='true'/>")
+    path.write_text(turned.replace("SURFACE", "plastic"), encoding="utf-8")
+    named = ["`orthographic` with `flip`", "`plastic`"]
+    assert mitsuba.Translation(path, tmp_path).others == named
 
 
 def test_losses_of_materialx_documents_are_named(tmp_path: Path) -> None:

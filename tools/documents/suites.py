@@ -106,7 +106,7 @@ def scenes(rows: Rows) -> str:
         "values that pass": "{passed:.2%}",
         "samples": "{samples}",
         "mean of Mitsuba": "{mitsuba:.4f}",
-        "of Reflet": "{reflet:.4f}",
+        "mean of Reflet": "{reflet:.4f}",
     }
     return table_of(compared, columns)
 
@@ -144,7 +144,7 @@ def losses(rows: Rows) -> str:
     for loss, of in sorted(having.items(), key=lambda pair: (-len(pair[1]), pair[0])):
         name, _, detail = loss.rstrip(")").partition(" (")
         lines.append([f"`{name}`", detail, str(len(of)), ", ".join(of) if len(of) < 6 else "…"])
-    return table(["warning", "of", "documents", "namely"], lines)
+    return table(["warning", "input, node or file", "documents", "namely"], lines)
 
 
 def tables() -> dict[str, str]:

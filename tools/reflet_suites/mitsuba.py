@@ -34,6 +34,38 @@ MOST_BOUNCES = 8
 DEEP = 16
 """Least `max_depth` that compares with paths without end."""
 MESHES = ("obj", "ply", "serialized", "cube")
+KNOWN = {
+    "moment": "",
+    "direct": "",
+    "path": "max_depth rr_depth",
+    "volpath": "max_depth rr_depth",
+    "volpathmis": "max_depth rr_depth",
+    "perspective": "to_world near_clip far_clip fov fov_axis",
+    "orthographic": "to_world near_clip far_clip",
+    "hdrfilm": "width height pixel_format component_format",
+    "box": "",
+    "gaussian": "",
+    "constant": "radiance",
+    "envmap": "filename scale",
+    "point": "position to_world intensity",
+    "directional": "direction irradiance",
+    "area": "radiance",
+    "rectangle": "to_world",
+    "sphere": "to_world center radius",
+    "cube": "to_world",
+    "obj": "filename to_world",
+    "ply": "filename to_world",
+    "serialized": "filename to_world shape_index",
+    "diffuse": "reflectance",
+    "blendbsdf": "",
+    "dielectric": "int_ior ext_ior",
+    "mesh_attribute": "name",
+    "checkerboard": "color0 color1 to_uv",
+    "bitmap": "filename raw wrap_mode filter_type to_uv format",
+    "homogeneous": "sigma_t albedo scale",
+    "isotropic": "",
+}
+"""Plugins that are translated, with the properties that the translation knows or may leave out."""
 WRAPS = {"repeat": 10497, "mirror": 33648, "clamp": 33071}
 FILTERS = {"nearest": 9728, "bilinear": 9729}
 Picture = np.ndarray
@@ -75,8 +107,7 @@ class Nodes:
 
     def children(self, node: Any) -> dict[str, Any]:
         """Nodes that a node refers to, by the names of its properties."""
-        reference = self.mi.Properties.ResolvedReference
-        found = {name: of for name, of in node.props.items() if isinstance(of, reference)}
+        found = {name: of for name, of in node.props.items() if self.is_node(of)}
         return {name: self.state.nodes[of.index()] for name, of in found.items()}
 
     def of(self, node: Any, kind: Any) -> list[Any]:
@@ -87,7 +118,7 @@ class Nodes:
         """Parameters of a node's object, which is made without the node's children."""
         plain = {"type": node.props.plugin_name(), **further}
         for name, value in node.props.items():
-            if not isinstance(value, self.mi.Properties.ResolvedReference):
+            if not self.is_node(value):
                 is_transform = name.startswith("to_")
                 plain[name] = self.mi.ScalarTransform4f(value.matrix) if is_transform else value
         if "filename" in plain:
@@ -101,6 +132,20 @@ class Nodes:
         """Matrix, 4 × 4, of `to_world`."""
         given = node.props.get("to_world", None)
         return np.eye(4) if given is None else np.array(given.matrix, float)
+
+    def unknown(self) -> list[str]:
+        """Properties of translated plugins that the translation does not know."""
+        found = []
+        for node in self.state.nodes:
+            plugin = node.props.plugin_name()
+            known = KNOWN.get(plugin, "").split()
+            named = {name for name, value in node.props.items() if not self.is_node(value)}
+            extra = sorted(named - set(known)) if plugin in KNOWN else []
+            found += [f"`{plugin}` with `{name}`" for name in extra]
+        return found
+
+    def is_node(self, value: Any) -> bool:
+        return isinstance(value, self.mi.Properties.ResolvedReference)
 
     def color(self, node: Any, name: str, default: float) -> list[float]:
         """Linear color of a property that is no texture; not bounded by 1."""
@@ -135,10 +180,15 @@ def corners(mesh: Table, name: str, width: int) -> np.ndarray:
 
 def material(nodes: Nodes, shape: Any, mesh: Table) -> Table:
     """Keys of a shape's material; its texture or its colors of vertices are added to the mesh."""
-    (bsdf,) = nodes.of(shape, nodes.kind.BSDF)
+    matte: Table = {"reflectivity": 0, "metallic": 0}
+    surfaces = nodes.of(shape, nodes.kind.BSDF)
+    if not surfaces:
+        return matte | {"base_color": [0.5, 0.5, 0.5]}
+    bsdf = surfaces[0]
     kind, parts = bsdf.props.plugin_name(), nodes.children(bsdf)
     kinds = sorted(part.props.plugin_name() for part in parts.values())
-    matte: Table = {"reflectivity": 0, "metallic": 0}
+    if kinds and not mesh and kind in ("diffuse", "blendbsdf"):
+        raise OtherError(f"textured `{shape.props.plugin_name()}`")
     if kind == "diffuse" and kinds == ["mesh_attribute"]:
         mesh["colors"] = corners(mesh, parts["reflectance"].props["name"], 3)
     elif kind == "diffuse" and kinds:
@@ -183,14 +233,16 @@ def glass(nodes: Nodes, shape: Any, bsdf: Any) -> Table:
     medium = nodes.children(shape).get("interior")
     if medium is None:
         return keys
-    if medium.props.plugin_name() != "homogeneous":
-        raise OtherError(f"`{medium.props.plugin_name()}`")
+    phases = [child.props.plugin_name() for child in nodes.children(medium).values()]
+    for other in {medium.props.plugin_name(), *phases} - {"homogeneous", "isotropic"}:
+        raise OtherError(f"`{other}`")
     extinction = np.array(nodes.color(medium, "sigma_t", 1)) * medium.props.get("scale", 1.0)
     keys |= {"attenuation_distance_m": 1, "attenuation_color": np.exp(-extinction)}
     # Scene text asks for the color of a thick solid. Kulla and Conty's fit, "Revisiting Physically
     # Based Shading at Imageworks", 2017, has the albedo of a color; this is its inverse.
     root = 4.09712 - np.sqrt(1 - np.array(nodes.color(medium, "albedo", 0.75)))
-    return keys | {"scattering_color": (9.59217 - root**2) / (8.41726 * root - 41.6808)}
+    color = (9.59217 - root**2) / (8.41726 * root - 41.6808)
+    return keys | {"scattering_color": np.clip(color, 0, 1)}
 
 
 class Translation:
@@ -200,7 +252,7 @@ class Translation:
         self.nodes, self.folder = Nodes(path), folder
         self.scene: Table = {"version": 1, "image": {"radiance": "full"}, "instance": []}
         self.scene |= {"material": {}, "model": {}, "light": {}}
-        self.others: list[str] = []
+        self.others = self.nodes.unknown()
         """Plugins that scene text has no exact counterpart for."""
         self.filter, self.size = "", (0, 0)
         self.is_matte = True
@@ -227,11 +279,13 @@ class Translation:
         if kind == "moment":
             self.integrator(self.nodes.of(node, self.nodes.kind.Integrator)[0])
             return
+        if kind not in ("direct", "path", "volpath", "volpathmis"):
+            raise OtherError(f"`{kind}`")
         depth = 2 if kind == "direct" else node.props.get("max_depth", -1)
         bounds: Table = {"method": "path"}
         if 0 <= depth < DEEP:
             bounds = {"method": "rt", "diffuse_bounces": depth - 2}
-            if not self.is_matte or depth > MOST_BOUNCES + 2:
+            if not self.is_matte or not 2 <= depth <= MOST_BOUNCES + 2:
                 raise OtherError(f"`max_depth` {depth}")
         bounds |= {"roughness_cutoff": 1, "glint_limit": 0, "filter": False, "reuse_light": False}
         self.scene["reflection"] = bounds | {"unit_m": 1, "ray_length_u": 1e6}
@@ -246,6 +300,9 @@ class Translation:
         width, height = self.size = (film.props["width"], film.props["height"])
         place = nodes.place(node)
         eye, ahead, up = (place[:3, column] for column in (3, 2, 1))
+        lengths = np.linalg.norm(place[:3, :2], axis=0)
+        if np.linalg.det(place[:3, :3]) < 0 or not math.isclose(*lengths, rel_tol=1e-4):
+            raise OtherError(f"`{kind}`, mirrored or stretched")
         view: Table = {"eye": eye, "target": eye + ahead, "up": up}
         view["near_m"] = node.props.get("near_clip", 0.01)
         if kind == "perspective":
@@ -294,15 +351,13 @@ class Translation:
         keys = material(nodes, node, mesh)
         for emitter in nodes.of(node, nodes.kind.Emitter):
             if kind == "sphere" or nodes.children(emitter):
-                raise OtherError("textured `area`")
+                raise OtherError("`area` of `sphere`" if kind == "sphere" else "textured `area`")
             keys |= {"emission": nodes.color(emitter, "radiance", 1), "light": True}
         is_matte = "transmission" not in keys
         self.is_matte &= is_matte
         if kind != "sphere":
             write_mesh(self.folder / f"{name}.glb", mesh, is_matte)
             self.scene["model"][name] = {"file": f"{name}.glb", "material": {"front": keys}}
-        elif mesh:
-            raise OtherError("textured `sphere`")
         else:
             ball = {"kind": "sphere", "radius": 1}
             self.scene["model"][name] = {"shape": ball, "material": name}
@@ -386,8 +441,9 @@ def draw(program: Path, folder: Path, scene: Translation) -> tuple[Picture, int]
     finer = 1 if scene.filter == "box" else FINER
     samples = max(BUDGET // (width * height * finer**2), 1)
     text, picture = folder / "scene.toml", folder / "picture.exr"
+    is_drawn = picture.exists() and text.read_text(encoding="utf-8") == scene.text()
     text.write_text(scene.text(), encoding="utf-8")
-    if not picture.exists():
+    if not is_drawn:
         count = ["--samples", str(samples), "--no-project"]
         render(program, text, picture, (width * finer, height * finer), *count)
     fine = read_exr(picture.read_bytes())[..., :3].astype(float)
@@ -402,7 +458,7 @@ def compare(program: Path, path: Path, folder: Path) -> Row:
     try:
         scene = Translation(path, folder)
     except RuntimeError as error:
-        sys.exit(f"Mitsuba cannot read {path}; is the clone complete?\n{error}")
+        sys.exit(f"Mitsuba cannot read {path}: {error}")
     if scene.others:
         return row | {"others": ", ".join(sorted(set(scene.others)))}
     picture, samples = draw(program, folder, scene)
