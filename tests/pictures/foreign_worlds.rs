@@ -99,10 +99,7 @@ const NOT_POSED: [(&str, &[Damage]); 4] = [
         "shadow maps, rays or numbers of lights",
         &[
             |w| w.lights.push(w.lights[0].clone()),
-            |w| {
-                w.lights.push(w.lights[0].clone());
-                w.lights.last_mut().expect("pushed").desc.shadow = ShadowMode::Ray;
-            },
+            |w| w.lights[0].desc.shadow = ShadowMode::Ray,
         ],
     ),
 ];
