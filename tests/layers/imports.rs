@@ -158,39 +158,24 @@ fn use_items(code: &str) -> Vec<(String, Vec<String>)> {
 
 fn expand(tree: &str, before: &[String], items: &mut Vec<(String, Vec<String>)>) {
     let tree = tree.trim();
+    let joined = |path: &str| -> Vec<String> {
+        let names = path.split("::").map(str::trim).filter(|n| !n.is_empty());
+        let names = names.map(str::to_owned);
+        before.iter().cloned().chain(names).collect()
+    };
     if let Some((head, list)) = tree.split_once('{') {
-        let names = head
-            .split("::")
-            .map(str::trim)
-            .filter(|name| !name.is_empty());
-        let before: Vec<String> = before
-            .iter()
-            .cloned()
-            .chain(names.map(str::to_owned))
-            .collect();
+        let before = joined(head);
         let list = list.trim_end().strip_suffix('}').unwrap_or(list);
         for part in split_list(list) {
             expand(part, &before, items);
         }
         return;
     }
-    let (path, name) = tree
-        .split_once(" as ")
-        .map_or((tree, None), |(p, n)| (p, Some(n)));
-    let names = path
-        .split("::")
-        .map(str::trim)
-        .filter(|name| !name.is_empty());
-    let mut path: Vec<String> = before
-        .iter()
-        .cloned()
-        .chain(names.map(str::to_owned))
-        .collect();
-    if path.len() > 1
-        && path
-            .last()
-            .is_some_and(|last| last == "self" || last == "*")
-    {
+    let renamed = tree.split_once(" as ");
+    let (path, name) = renamed.map_or((tree, None), |(p, n)| (p, Some(n)));
+    let mut path = joined(path);
+    let last = path.last().map(String::as_str);
+    if path.len() > 1 && matches!(last, Some("self" | "*")) {
         path.pop();
     }
     if let Some(last) = path.last() {
@@ -213,10 +198,8 @@ fn split_list(list: &str) -> Vec<&str> {
         }
     }
     parts.push(&list[start..]);
+    parts.retain(|part| !part.trim().is_empty());
     parts
-        .into_iter()
-        .filter(|part| !part.trim().is_empty())
-        .collect()
 }
 
 /// Paths in the code that begin with `crate`, `self`, `super` or another lower-case name.

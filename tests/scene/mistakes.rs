@@ -175,9 +175,7 @@ fn score(is_at_place: bool, message: &str) -> u32 {
         let is_quoted = |mark: char| text.matches(mark).count() >= 2;
         is_quoted('`') || is_quoted('"') || text.contains(|c: char| c.is_ascii_digit())
     };
-    let is_word = ["write true", "write false"]
-        .iter()
-        .any(|word| cure.contains(word));
+    let is_word = cure.contains("write true") || cure.contains("write false");
     match (is_at_place, has_name(says), has_name(cure) || is_word) {
         (false, ..) => 0,
         (true, false, _) => 1,
@@ -271,15 +269,7 @@ fn messages_say_where_what_and_what_to_write() {
     assert!(mean >= 2.8, "mean {mean:.2}\n{}", lacking.join("\n"));
 }
 
-const PAGE: &str =
-    "<!-- Generated from tests/bad_scenes/mistakes; `UPDATE_DOCS=1 cargo test --test scene` writes it anew. -->
-# Mistakes and messages
-
-Mistakes of people who write scenes, and the message of `reflet check` about each. The tests make each mistake, and see
-that it has this one message, at its line and column. A message scores 0 of 3 if it does not stand at the mistake; else 1;
-2 if it also names what is wrong or expected, by code, a quoted word or a number; 3 if its help names something too, nearly always
-the text to write. The test counts this, and judges no cure.
-";
+const PAGE: &str = include_str!("mistakes.md");
 
 /// The page of mistakes, with a table for each group.
 fn page() -> String {
