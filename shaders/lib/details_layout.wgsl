@@ -8,9 +8,9 @@ override HAS_FURTHER_DETAILS: bool = true;
 
 fn pack_details(s: Surface) -> vec4u {
     return vec4u(
-        // No color is negative, so that a sign is free.
+        // No color is negative, so that signs are free.
         pack2x16float(min(s.specular_color.xy, vec2f(65000.0))) | (u32(s.has_film) << 31u),
-        (pack2x16float(vec2f(min(s.specular_color.z, 65000.0), 0.0)) & 0xffffu) | (pack2x16unorm(vec2f(0.0, s.specular)) & 0xffff0000u),
+        pack2x16float(vec2f(min(s.specular_color.z, 65000.0), 0.0)) | (u32(s.has_edge_tint) << 15u) | (pack2x16unorm(vec2f(0.0, s.specular)) & 0xffff0000u),
         pack2x16unorm(s.sheen_color.xy),
         pack2x16unorm(vec2f(s.sheen_color.z, s.sheen_roughness)),
     );
@@ -18,8 +18,9 @@ fn pack_details(s: Surface) -> vec4u {
 
 fn with_details(surface: Surface, bits: vec4u) -> Surface {
     var s = surface;
-    s.specular_color = vec3f(unpack2x16float(bits.x & 0x7fffffffu), unpack2x16float(bits.y).x);
+    s.specular_color = vec3f(unpack2x16float(bits.x & 0x7fffffffu), unpack2x16float(bits.y & 0x7fffu).x);
     s.has_film = (bits.x >> 31u) != 0u;
+    s.has_edge_tint = HAS_EDGE_TINTS && (bits.y & 0x8000u) != 0u;
     s.specular = unpack2x16unorm(bits.y).y;
     let rest = unpack2x16unorm(bits.w);
     s.sheen_color = vec3f(unpack2x16unorm(bits.z), rest.x);

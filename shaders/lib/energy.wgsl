@@ -26,11 +26,12 @@ fn compensation(s: Surface, lobe: vec4f) -> vec3f {
 fn lobe_reflectance(s: Surface, view: vec3f) -> vec3f {
     let lobe = shown_lobe(s, view);
     if (!CONSERVES_ENERGY && is_exact(s)) { return exact_fresnel(s, saturate(dot(s.normal, view))) * lobe.x; }
-    let rough = split_sum(f0(s), grazing_reflectance(s), lobe) * compensation(s, lobe);
+    // The facet at which Schlick's power has its mean over the lobe stands for all facets.
+    let dip = edge_dip(s, 1.0 - pow(lobe.y / max(lobe.x, 1e-3), 0.2)) * lobe.x;
+    let rough = (split_sum(f0(s), grazing_reflectance(s), lobe) - dip) * compensation(s, lobe);
     if (!is_exact(s)) { return rough; }
     let cosine = dot(s.normal, view);
-    let schlick = f0(s) + (vec3f(grazing_reflectance(s)) - f0(s)) * schlick_weight(cosine);
-    let exact = exact_fresnel(s, cosine) / max(schlick, vec3f(1e-6));
+    let exact = exact_fresnel(s, cosine) / max(schlick_fresnel(s, cosine), vec3f(1e-6));
     return rough * mix(exact, vec3f(1.0), shown_roughness(s));
 }
 
@@ -61,5 +62,5 @@ fn coat_albedo(s: Surface, roughness: f32, cosine: f32) -> f32 {
     let grazing = f90(vec3f(s.coat_reflectivity));
     if (!CONSERVES_ENERGY) { return mix(s.coat_reflectivity, grazing, schlick_weight(cosine)); }
     let lobe = lobe_at(roughness, cosine);
-    return split_sum(vec3f(s.coat_reflectivity), grazing, lobe).x * (1.0 + s.coat_reflectivity * lost(lobe));
+    return split_sum(vec3f(s.coat_reflectivity), vec3f(grazing), lobe).x * (1.0 + s.coat_reflectivity * lost(lobe));
 }

@@ -78,8 +78,9 @@ fn with_film(s0: Surface, instance: u32, index: array<u32, 3>, bary: vec2f, foot
     let ior = material_iridescence_ior(m);
     let c = max(abs(cosine), 0.02);
     let bare = s.reflectivity * s.specular;
-    if (bare > 0.0) {
+    if (bare > 0.0 && s.metallic < 1.0) {
         s.has_film = true;
+        s.has_edge_tint = false; // the specular color becomes the color of the film
         let f0 = min(s.reflectivity * s.specular_color, vec3f(1.0)) * s.specular;
         s.specular_color = mix(f0, schlick_f0(film_fresnel(f0, ior, thickness_nm, c), c), strength) / bare;
     }

@@ -160,7 +160,7 @@ fn tinted(s: Surface, reflectance: f32) -> vec3f {
     if (!HAS_TINTS || s.is_inside) { return vec3f(reflectance); }
     let least = min(s.reflectivity, 0.999);
     let rise = saturate((reflectance - least) / (1.0 - least));
-    return mix(dielectric_f0(s), vec3f(s.specular), rise);
+    return mix(dielectric_f0(s), dielectric_f90(s), rise);
 }
 
 // Exact Fresnel equations, with the index of the reflectivity; Schlick's approximation for metals.
@@ -169,7 +169,7 @@ fn exact_fresnel(s: Surface, cosine: f32) -> vec3f {
     let index = (1.0 + root) / (1.0 - root);
     let dielectric = dielectric_fresnel(cosine, select(index, 1.0 / index, s.is_inside));
     let metal = mix(s.base_color, vec3f(f90(s.base_color)), schlick_weight(cosine));
-    return mix(tinted(s, dielectric), metal, s.metallic);
+    return mix(tinted(s, dielectric), metal, s.metallic) - edge_dip(s, cosine);
 }
 
 fn coat_normal(s: Surface) -> vec3f {
@@ -187,6 +187,7 @@ fn coat_of(s: Surface) -> Surface {
     coat.normal = coat_normal(s);
     coat.reflectivity = s.coat_reflectivity;
     coat.has_index = false;
+    coat.has_edge_tint = false;
     coat.transmission = 0.0;
     coat.alpha = 1.0;
     coat.clearcoat = 0.0;
@@ -322,7 +323,7 @@ fn only_lobe(s: Surface, view: vec3f) -> OnlyLobe {
     if (!HAS_LAYERS) { return OnlyLobe(s, 1.0); }
     if (!HAS_COATS || s.clearcoat == 0.0) { return OnlyLobe(s, s.alpha); }
     let base = below_coat(s);
-    if (!is_reflector(base) || grazing_reflectance(base) == 0.0) { return OnlyLobe(coat_of(s), s.clearcoat * s.alpha); }
+    if (!is_reflector(base) || all(grazing_reflectance(base) == vec3f(0.0))) { return OnlyLobe(coat_of(s), s.clearcoat * s.alpha); }
     let passed = coat_transmittance(s, dot(coat_normal(s), view));
     return OnlyLobe(base, select(passed * s.alpha, 0.0, has_traced_coat(s)));
 }

@@ -72,8 +72,8 @@ fn shown_lobe(s: Surface, view: vec3f) -> vec4f {
 
 // Albedo under uniform light of a lobe with reflectance `f` at normal incidence, single scattering: the split sum of
 // Karis 2013.
-fn split_sum(f: vec3f, grazing: f32, lobe: vec4f) -> vec3f {
-    return f * (lobe.x - lobe.y) + vec3f(grazing * lobe.y);
+fn split_sum(f: vec3f, grazing: vec3f, lobe: vec4f) -> vec3f {
+    return f * (lobe.x - lobe.y) + grazing * lobe.y;
 }
 
 // Albedo of a surface's specular lobe under uniform light.

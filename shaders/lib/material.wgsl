@@ -34,6 +34,7 @@ struct Surface {
     // Set with HAS_TINTS: factors on the reflectivity; `specular` also scales the reflectance at grazing angles.
     specular: f32,
     specular_color: vec3f,
+    has_edge_tint: bool, // with HAS_EDGE_TINTS: whether both tint edges, of metals too
     has_film: bool, // whether interference colors the reflection, so that the rest passes with the other colors
     // Set with HAS_ANISOTROPY: direction of the grain, along which the lobe is longer, and its strength.
     tangent: vec3f,
@@ -54,6 +55,7 @@ override HAS_LAYERS: bool = true;
 
 // Whether some dielectric's specular lobe has a strength or a color of its own.
 override HAS_TINTS: bool = true;
+override HAS_EDGE_TINTS: bool = true; // whether both tint the edges of some surface
 
 override HAS_SHEEN: bool = true;
 
@@ -83,10 +85,11 @@ override HAS_COAT_NORMALS: bool = true;
 fn material_surface(m: u32) -> Surface {
     var s = plain_surface(m);
     s.has_index = HAS_INDICES && (material_reflection(m) & OF_INDEX) != 0u;
+    s.has_edge_tint = HAS_EDGE_TINTS && (material_reflection(m) & EDGE_TINT) != 0u;
     s.coat_reflectivity = COAT_REFLECTIVITY;
     if (HAS_COAT_INDICES) { s.coat_reflectivity = material_coat_reflectivity(m); }
     s.occlusion = 1.0;
-    s.reflection = material_reflection(m) & ~OF_INDEX;
+    s.reflection = material_reflection(m) & ~(OF_INDEX | EDGE_TINT);
     s.unlit = material_unlit(m) != 0u;
     return s;
 }

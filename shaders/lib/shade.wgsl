@@ -47,10 +47,30 @@ fn f90(f: vec3f) -> f32 {
     return saturate(50.0 * dot(f, vec3f(1.0 / 3.0)));
 }
 
-// Reflectance of a surface at grazing angles: the specular color does not change it, the specular strength does.
-fn grazing_reflectance(s: Surface) -> f32 {
-    if (!HAS_TINTS) { return f90(f0(s)); }
-    return f90(mix(vec3f(s.reflectivity), s.base_color, s.metallic)) * mix(s.specular, 1.0, s.metallic);
+// Share of light that the dielectric part reflects at grazing angles: the specular strength changes it, the specular
+// color only where it tints edges.
+fn dielectric_f90(s: Surface) -> vec3f {
+    if (!HAS_EDGE_TINTS || !s.has_edge_tint) { return vec3f(s.specular); }
+    return min(s.specular * s.specular_color, vec3f(1.0));
+}
+
+// Reflectance of a surface at grazing angles.
+fn grazing_reflectance(s: Surface) -> vec3f {
+    if (!HAS_TINTS) { return vec3f(f90(f0(s))); }
+    return f90(mix(vec3f(s.reflectivity), s.base_color, s.metallic)) * mix(dielectric_f90(s), vec3f(1.0), s.metallic);
+}
+
+// Schlick's power at the cosine 1/7, an angle of 82°, and the value there of the curve `c (1 - c)^6`, which has its peak there.
+const EDGE_SCHLICK: f32 = 0.46266436;
+const EDGE_PEAK: f32 = 0.05665278;
+
+// Reflectance that a metal lacks of Schlick's, by its tint at 82° (F82 of OpenPBR 1.1, section "Metal"; Kutz, Hašan &
+// Edmondson 2021, "Novel aspects of the Adobe Standard Material", 2.3).
+fn edge_dip(s: Surface, cosine: f32) -> vec3f {
+    if (!HAS_EDGE_TINTS || !s.has_edge_tint) { return vec3f(0.0); }
+    let schlick = mix(s.base_color, vec3f(f90(s.base_color)), EDGE_SCHLICK);
+    let c = saturate(cosine);
+    return schlick * (1.0 - dielectric_f90(s)) * (s.metallic * c * (1.0 - c) * schlick_weight(c) / EDGE_PEAK);
 }
 
 // Reflectance of the dielectric part at normal and grazing incidence, by its strongest channel, so that the light
@@ -64,8 +84,12 @@ fn dielectric_reflectance(s: Surface) -> vec2f {
 // Fresnel reflectance (Schlick 1994); exact for transmissive surfaces and where an index of refraction is given.
 fn fresnel(s: Surface, cosine: f32) -> vec3f {
     if (is_exact(s)) { return exact_fresnel(s, cosine); }
-    let f = f0(s);
-    return f + (vec3f(grazing_reflectance(s)) - f) * schlick_weight(cosine);
+    return schlick_fresnel(s, cosine);
+}
+
+// Schlick's reflectance, with the dip of metals.
+fn schlick_fresnel(s: Surface, cosine: f32) -> vec3f {
+    return mix(f0(s), grazing_reflectance(s), schlick_weight(cosine)) - edge_dip(s, cosine);
 }
 
 // Roughness below which a surface's reflection is traced; higher for metals, which show nothing else.

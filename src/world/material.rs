@@ -44,6 +44,8 @@ pub struct Material {
     pub ior: f32,
     /// Whether the reflectivity is of an index of refraction that was given, for exact reflectances.
     pub has_index: bool,
+    /// Whether the specular strength and color tint edges, of metals too.
+    pub edge_tint: bool,
     /// Strength of the clear coat's own normal map.
     pub clearcoat_normal_scale: f32,
     /// Thickness of the film at the texture's least values, nanometers.
@@ -124,6 +126,7 @@ impl Default for Material {
             solid: false,
             ior: 1.5,
             has_index: false,
+            edge_tint: false,
             clearcoat_normal_scale: 1.0,
             iridescence_least_nm: 100.0,
             blended: false,

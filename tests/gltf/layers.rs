@@ -61,7 +61,7 @@ fn specular_sheen_and_the_textures_of_layers_are_read() {
     let m = &world.materials[0];
     assert_eq!(m.clearcoat_normal_scale, 0.5);
     assert!(m.has_coat_normals() && !world.meshes[0].tangents.is_empty());
-    assert_eq!(m.specular, Some(0.75));
+    assert_eq!((m.specular, m.edge_tint), (Some(0.75), true));
     assert_eq!(m.specular_color, Some(Vec3::new(2.0, 1.0, 0.0)));
     assert_eq!(m.sheen_color, Some(Vec3::new(0.5, 0.25, 1.0)));
     assert_eq!(m.sheen_roughness, 0.3);

@@ -208,6 +208,7 @@ fn materials(scene: &Scene) -> Vec<Diagnostic> {
         let is_alone = |key: &&Needing| (key.is_alone)(&entry.value);
         let it = &entry.value;
         let is_metal = it.metallic == Some(1.0) && it.metallic_roughness_texture.is_none();
+        let tints_edges = it.edge_tint == Some(true);
         let of_others = [
             ("transmission", it.transmission > Some(0.0)),
             ("diffuse_transmission", it.diffuse_transmission > Some(0.0)),
@@ -215,8 +216,11 @@ fn materials(scene: &Scene) -> Vec<Diagnostic> {
                 "reflectivity",
                 it.reflectivity.is_some() && it.ior.is_none(),
             ),
-            ("specular", it.specular.is_some()),
-            ("specular_color", it.specular_color.is_some()),
+            ("specular", it.specular.is_some() && !tints_edges),
+            (
+                "specular_color",
+                it.specular_color.is_some() && !tints_edges,
+            ),
         ];
         let idle = of_others
             .into_iter()

@@ -231,6 +231,8 @@ gpu_struct! {
 
 /// Bit of `GpuMaterial::reflection`: the reflectivity is of an index of refraction.
 pub const OF_INDEX: u32 = 1 << 2;
+/// Bit of `GpuMaterial::reflection`: the specular strength and color tint edges.
+pub const EDGE_TINT: u32 = 1 << 3;
 /// Mask of [`GpuTextureUse::bits`]: index of the pool.
 pub const TEXTURE_POOL_MASK: u32 = 3;
 /// Bit of [`GpuTextureUse::bits`]: the texture is sampled as sRGB.

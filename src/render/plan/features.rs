@@ -297,6 +297,12 @@ features! {
         used: scene.has(|m| m.specular.is_some() || m.specular_color.is_some()),
         dropped: "strength and color of specular lobes" => "no material sets them";
     }
+    /// Whether the specular strength and color of some surface tint its edges.
+    edge_tints {
+        used: scene.has(|m| m.edge_tint && (m.specular.is_some() || m.specular_color.is_some())),
+        constant: HAS_EDGE_TINTS,
+        dropped: "tints of edges" => "no material sets `edge_tint`", if tints;
+    }
     /// Whether some opaque surface has the exact reflectance of an index of refraction.
     indices {
         used: scene.is_general() || scene.has(|m| m.has_index),

@@ -8,9 +8,9 @@ use crate::{
         gpu_patterned::GpuPatterned,
         gpu_struct::{Shared as _, gpu_struct},
         types::{
-            GpuTextureUse, NONE, OF_INDEX, TEXTURE_NEAREST, TEXTURE_SIZE_SHIFT, TEXTURE_SRGB,
-            TEXTURE_UV1, TEXTURE_WRAP_U_SHIFT, TEXTURE_WRAP_V_SHIFT, WRAP_CLAMP, WRAP_MIRROR,
-            WRAP_REPEAT, flag,
+            EDGE_TINT, GpuTextureUse, NONE, OF_INDEX, TEXTURE_NEAREST, TEXTURE_SIZE_SHIFT,
+            TEXTURE_SRGB, TEXTURE_UV1, TEXTURE_WRAP_U_SHIFT, TEXTURE_WRAP_V_SHIFT, WRAP_CLAMP,
+            WRAP_MIRROR, WRAP_REPEAT, flag,
         },
     },
     settings::cutoff::{has_specular, packed, packed_coat},
@@ -69,7 +69,7 @@ filled! {
         checker_b: [f32; 3] = checker_color(m, 1),
         /// Alpha below which a cut-out is transparent; below 0: opaque.
         alpha_cutoff: f32 = m.alpha_cutoff.unwrap_or(-1.0),
-        /// Reflection mode: 0 none, 1 auto, 2 mirror; with [`OF_INDEX`].
+        /// Reflection mode: 0 none, 1 auto, 2 mirror; with [`OF_INDEX`] and [`EDGE_TINT`].
         reflection: u32 = reflection_bits(m),
         /// 1: the base color is shown without lighting.
         unlit: u32 = m.unlit.into(),
@@ -139,6 +139,7 @@ fn checker_color(m: &Material, i: usize) -> [f32; 3] {
 fn reflection_bits(m: &Material) -> u32 {
     // Without a specular lobe there is no reflection, whatever the reflection mode.
     flag(m.has_index, OF_INDEX)
+        | flag(m.edge_tint, EDGE_TINT)
         | if has_specular(m) {
             m.reflection as u32
         } else {

@@ -157,12 +157,17 @@ material! {
         /// Index of refraction of the clear coat, 1 to 4: more reflects more. Default 1.5, or the glTF value.
         clearcoat_ior under clearcoat: f32, Number in INDEX, "clear coat's index of refraction" of "clearcoat_ior/clearcoatIor" => off "1.5";
         /// Strength of the specular reflection of the non-metallic part, 0 to 1: a factor on `reflectivity` and on the
-        /// reflectance at grazing angles (`KHR_materials_specular`). Default 1, or the glTF value.
+        /// reflectance at grazing angles (`KHR_materials_specular`); of metals too with `edge_tint`. Default 1, or the glTF value.
         #[group("Reflection")]
         specular: f32, Number in UNIT, "strength of the non-metallic specular reflection" of "specular/specularFactor" varies Specular => off "1";
         /// Color of the specular reflection of the non-metallic part at normal incidence, three numbers 0 or more: a
-        /// factor on `reflectivity`; the product is at most 1. Default white, or the glTF value.
+        /// factor on `reflectivity`; the product is at most 1; with `edge_tint` also of metals, and at grazing angles. Default
+        /// white, or the glTF value.
         specular_color: Vec3, Color in FROM_0, "color of the non-metallic specular reflection" of "specular/specularColorFactor" varies SpecularColor => off "[1, 1, 1]";
+        /// Whether `specular` and `specular_color` tint edges, as in OpenPBR (`EXT_materials_specular_edge_color`). The non-metallic part has
+        /// the color at grazing angles too. A metal reflects at 82° their product, at most 1, times the share of light that it reflects there
+        /// without the key (F82), and as much as ever head on, as real metals do (`docs/light.md` has colors of some). Default false, or the glTF value.
+        edge_tint under specular_color | specular: bool [ANY];
         /// Color of a sheen over the material, the glow of cloth fibers towards grazing angles, three numbers 0 to 1
         /// (`KHR_materials_sheen`). Default black, no sheen, or the glTF value.
         #[group("Sheen")]

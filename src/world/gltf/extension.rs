@@ -6,8 +6,9 @@ use super::{Fault, schema::Root, uri::shorten};
 use reflet_scene::{desc::LAYER_NUMBERS, diagnostic::Diagnostic};
 
 /// Supported extensions that are not numbers of materials.
-const OTHERS: [&str; 16] = [
+const OTHERS: [&str; 17] = [
     "EXT_lights_image_based",
+    "EXT_materials_specular_edge_color",
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",

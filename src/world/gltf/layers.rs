@@ -43,8 +43,9 @@ pub fn read(
             (field.put)(&mut desc, value);
         }
     }
+    out.edge_tint = extensions.edge_tint;
     // Transmissive materials keep their index of refraction, even where they reflect nothing.
-    if desc.specular == Some(0.0) && !moves("specular") && !passes {
+    if desc.specular == Some(0.0) && !moves("specular") && !passes && !out.edge_tint {
         out.reflectivity = 0.0;
         (desc.specular, desc.specular_color) = (None, None);
     }

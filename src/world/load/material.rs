@@ -188,6 +188,7 @@ impl Loader<'_> {
         material.is_mesh_light &= desc.light.is_none();
         material.reflection = desc.reflection.unwrap_or(material.reflection);
         material.ior = desc.ior.unwrap_or(material.ior);
+        material.edge_tint = desc.edge_tint.unwrap_or(material.edge_tint);
         if let Some(reflectivity) = desc.reflectivity {
             // The reader fills in the reflectivity of an index.
             material.has_index = desc.ior.map(reflectivity_of) == Some(reflectivity);

@@ -16,8 +16,11 @@ use reflet_scene::{
 /// Begin of the names of extensions of materials.
 const KHR: &str = "KHR_materials_";
 
-/// Extension within `KHR_materials_clearcoat` that is read: its index of refraction.
-const WITHIN_COAT: &str = "KHR_materials_clearcoat_ior";
+/// Stands for the extensions of an extension, in place of its name.
+const WITHIN: &str = "extensions";
+
+/// Extension within `KHR_materials_specular` that tints edges, without its prefix.
+const EDGE_COLOR: &str = "specular_edge_color";
 
 /// Whether a number is of an extension.
 fn is_in(path: &str, extension: Option<&str>) -> bool {
@@ -38,6 +41,8 @@ pub struct MaterialExtensions {
     textures: [Option<TextureInfo>; LAYER_SLOTS],
     /// KHR_materials_unlit.
     pub unlit: Option<IgnoredAny>,
+    /// EXT_materials_specular_edge_color.
+    pub edge_tint: bool,
     /// KHR_materials_pbrSpecularGlossiness.
     pub specular_glossiness: Option<SpecularGlossiness>,
 }
@@ -125,8 +130,9 @@ impl<'de> Visitor<'de> for Keys<'_> {
                 continue;
             };
             let inner = match (extension, key.as_str()) {
-                ("clearcoat", "extensions") => Some(WITHIN_COAT),
-                (WITHIN_COAT, WITHIN_COAT) => Some("clearcoat_ior"),
+                ("clearcoat" | "specular", WITHIN) => Some(WITHIN),
+                (WITHIN, "KHR_materials_clearcoat_ior") => Some("clearcoat_ior"),
+                (WITHIN, "EXT_materials_specular_edge_color") => Some(EDGE_COLOR),
                 _ => None,
             };
             if inner.is_some() {
@@ -142,6 +148,8 @@ impl<'de> Visitor<'de> for Keys<'_> {
                     Some(Form::Color) => map.next_value()?,
                     _ => map.next_value::<Option<f32>>()?.map(|x| [x; 3]),
                 });
+            } else if (extension, key.as_str()) == (EDGE_COLOR, "specularEdgeColorEnabled") {
+                out.edge_tint = map.next_value()?;
             } else if let Some(slot) = FILE_TEXTURES.iter().position(|own| own.path == full) {
                 out.textures[slot - CORE_SLOTS] = map.next_value()?;
             } else {
@@ -157,7 +165,7 @@ impl<'de> DeserializeSeed<'de> for Keys<'_> {
 
     fn deserialize<D: Deserializer<'de>>(self, from: D) -> Result<(), D::Error> {
         let is_own = |(path, _): &(&str, _)| is_in(path, self.extension);
-        if self.extension == Some(WITHIN_COAT) || LAYER_NUMBERS.iter().any(is_own) {
+        if matches!(self.extension, Some(WITHIN | EDGE_COLOR)) || LAYER_NUMBERS.iter().any(is_own) {
             return from.deserialize_any(self);
         }
         IgnoredAny::deserialize(from).map(|_| ())
