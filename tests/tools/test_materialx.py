@@ -170,6 +170,27 @@ def test_layers_of_a_standard_surface(tmp_path: Path) -> None:
     assert 0.0 < extensions["KHR_materials_anisotropy"]["anisotropyStrength"] < 1.0
 
 
+@pytest.mark.parametrize(
+    ("kind", "inputs", "tint"),
+    [
+        ("open_pbr_surface", {"specular_color": "color3 0.5, 0.75, 1"}, [0.5, 0.75, 1.0]),
+        ("open_pbr_surface", {}, None),
+        # Titanium, 2.7 + 3.4i: the edge is (nmax - n) / (nmax - nmin) of 7.214 and 0.272.
+        ("standard_surface", {"base": "float 0.5723", "specular": "float 0.65"}, [0.776] * 3),
+    ],
+)
+def test_metals_are_tinted_at_their_edges(
+    tmp_path: Path, kind: str, inputs: dict[str, str], tint: list[float] | None
+) -> None:
+    metal = "base_metalness" if kind == "open_pbr_surface" else "metalness"
+    white = {metal: "float 1", "base_color": "color3 1, 1, 1"}
+    entry = proven(tmp_path, document(surface(kind, **white, **inputs)))
+    lobe = entry.get("extensions", {}).get("KHR_materials_specular")
+    assert (lobe and lobe["specularColorFactor"]) == (tint and pytest.approx(tint, abs=2e-3))
+    edges = {"EXT_materials_specular_edge_color": {"specularEdgeColorEnabled": True}}
+    assert (lobe and lobe["extensions"]) == (tint and edges)
+
+
 OPEN_WALL = {"subsurface_weight": "float 0.6", "geometry_thin_walled": "boolean true"}
 WALL = {"subsurface": "float 0.6", "thin_walled": "boolean true", "coat": "float 1"}
 

@@ -142,6 +142,10 @@ def _principled(shader: bpy.types.Node, name: str, report: Report) -> dict[str, 
         if socket in shader.inputs and shader.inputs[socket].is_linked:
             text = f"{socket} has its own value, not what is linked to it"
             report.lose("material-approximated", name, text)
+    # The tint alone colors the edges of metals; a level other than plain would count there too.
+    is_plain = _own_number(shader, "level", "Specular IOR Level", (0.5, 0.0, 1.0)) == {}
+    if _number(shader, "Metallic") > 0 and is_plain and min(_color(shader, "Specular Tint")) < 1:
+        out["edge_tint"] = True
     film = _number(shader, "Thin Film Thickness")
     if film > 0:
         ior = min(max(_number(shader, "Thin Film IOR"), 1.0), 4.0)

@@ -137,6 +137,7 @@ def _standard_surface(surface: _Surface) -> dict[str, Source]:
         "base_color", surface.get("base_color", _GRAY), surface.get("base", (1.0,))
     )
     thin = surface.number("thin_walled", 0.0) != 0.0
+    _artistic_metal(inputs, base)
     base = _scattering(surface, inputs, base, is_open=False, thin=thin)
     base = _transmitting(surface, inputs, base, "transmission", thin)
     _set_under_coat(surface, inputs, base)
@@ -163,6 +164,7 @@ def _open_pbr(surface: _Surface) -> dict[str, Source]:
         "opacity": surface.get("geometry_opacity", (1.0,)),
         "specular": surface.get("specular_weight", (1.0,)),
         "specularTint": surface.get("specular_color", _WHITE),
+        "edgeTint": Constant((1.0,)),
         "sheenRoughness": surface.get("fuzz_roughness", (0.5,)),
         "diffuseRoughness": Constant((surface.number("base_diffuse_roughness", 0.0),)),
         "clearcoatIor": Constant((surface.number("coat_ior", 1.6),)),
@@ -244,6 +246,33 @@ MATERIALX_SURFACES: dict[str, Callable[[_Surface], dict[str, Source]]] = {
 def _normals(surface: _Surface, normal: str, coat_normal: str) -> dict[str, Source]:
     found = {"normal": surface.authored(normal), "coatNormal": surface.authored(coat_normal)}
     return {name: source for name, source in found.items() if source is not None}
+
+
+def _artistic_metal(inputs: dict[str, Source], base: Source) -> None:
+    """Tint edges as `artistic_ior` does in MaterialX's graph of standard surface, for a constant.
+
+    Gulbrandsen 2014, "Artist Friendly Metallic Fresnel": an index from the color and the color of
+    edges. Its reflectance at 82° by Fresnel's equations, over Schlick's share there, is the tint.
+    """
+    metal, weight, tint = (inputs[name] for name in ("metallic", "specular", "specularTint"))
+    constants = [one.value for one in (base, weight, tint) if isinstance(one, Constant)]
+    if metal != Constant((1.0,)) or len(constants) < 3:
+        return
+    (share,), edges = constants[1], []
+    for color, edge in zip(constants[0], constants[2], strict=True):
+        r, g = min(max(color, 0.0), 0.99), min(max(edge * share, 0.0), 1.0)
+        n = g * (1 - r) / (1 + r) + (1 - g) * (1 + math.sqrt(r)) / (1 - math.sqrt(r))
+        k2 = max(r * (n + 1) ** 2 - (n - 1) ** 2, 0.0) / (1 - r)
+        index = complex(n, math.sqrt(k2)) ** 2
+        bent, cosine = (index - 48 / 49) ** 0.5, 1 / 7
+        waves = (
+            (cosine - bent) / (cosine + bent),
+            (index * cosine - bent) / (index * cosine + bent),
+        )
+        schlick = r + (1 - r) * (6 / 7) ** 5
+        edges.append(min(sum(abs(wave) ** 2 for wave in waves) / 2 / schlick, 1.0))
+    inputs["specular"], inputs["specularTint"] = Constant((1.0,)), Constant(tuple(edges))
+    inputs["edgeTint"] = Constant((1.0,))
 
 
 def _scattering(

@@ -17,6 +17,7 @@ _LAYER_INPUTS: dict[str, tuple[float, ...]] = {
     "sheenRoughness": (0.0,),
     "specular": (1.0,),
     "specularTint": (1.0, 1.0, 1.0),
+    "edgeTint": (0.0,),
     "anisotropy": (0.0,),
     "anisotropyRotation": (0.0,),
     "iridescence": (0.0,),
@@ -137,7 +138,12 @@ class LayeredMaterial(PreviewMaterial):
             **self._color("specularTint", "specularColor"),
         }
         plain = {"specularFactor": 1.0, "specularColorFactor": [1.0, 1.0, 1.0]}
-        return ("", {}) if fields == plain else ("KHR_materials_specular", fields)
+        if fields == plain:
+            return "", {}
+        if self._numbers("edgeTint")[0] != 0.0:
+            tint = {"specularEdgeColorEnabled": True}
+            self.extend(fields, {"EXT_materials_specular_edge_color": tint})
+        return "KHR_materials_specular", fields
 
     def _anisotropy(self) -> tuple[str, dict[str, Any]]:
         strength = self._unit("anisotropy")[0]

@@ -44,6 +44,7 @@ _PLACES = {
         "clearcoat", "clearcoatRoughnessTexture", "clearcoatRoughnessFactor", (0.0,), [1]
     ),
     "clearcoatIor": _Place("clearcoat_ior", "", "clearcoatIor", (1.5,), [0]),
+    "edgeTint": _Place("specular_edge_color", "", "specularEdgeColorEnabled", (0.0,), [0]),
     "diffuseRoughness": _Place("diffuse_roughness", "", "diffuseRoughnessFactor", (0.0,), [0]),
     "diffuseTransmission": _Place(
         "diffuse_transmission",
@@ -142,8 +143,9 @@ class OutputMaterial:
 
     def _extension(self, name: str) -> dict[str, Any]:
         own = self.fields.get("extensions", {})
-        within = own.get("KHR_materials_clearcoat", {}).get("extensions", {})
-        return {**own, **within}.get(f"KHR_materials_{name}", {})
+        within = [part.get("extensions", {}) for part in own.values() if isinstance(part, dict)]
+        found = {key: part for each in (own, *within) for key, part in each.items()}
+        return next((part for key, part in found.items() if key.endswith(f"_materials_{name}")), {})
 
     def _info(self, name: str) -> dict[str, Any] | None:
         return self._part(name).get(_PLACES[name].texture) if name in _PLACES else None

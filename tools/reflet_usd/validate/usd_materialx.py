@@ -193,8 +193,7 @@ class _Rules:
             "clearcoatIor": _constant(coat_ior),
             "diffuseRoughness": _constant(rough_base),
             "emissiveColor": lambda st: glow(st) * nits(st),
-            "specular": self.of("specular", 1.0),
-            "specularTint": self.of("specular_color", *_WHITE),
+            **self._tinted_edges(is_open),
             "sheenColor": lambda st: fuzz_color(st) * fuzz(st),
             "transmission": through,
             "thickness": _constant(0.0 if thin else self.meters),
@@ -209,6 +208,39 @@ class _Rules:
             functions["attenuationColor"] = tint
             functions["attenuationDistance"] = _constant(depth * self.meters)
         return functions
+
+    def _tinted_edges(self, is_open: bool) -> dict[str, Function]:
+        """Channels of the specular strength and color, and whether they tint edges."""
+        strength, color = self.fixed("specular", 1.0), self.fixed("specular_color", *_WHITE)
+        found = {
+            "specular": self.of("specular", 1.0),
+            "specularTint": self.of("specular_color", *_WHITE),
+            "edgeTint": _constant(float(is_open)),
+        }
+        if is_open:
+            is_plain = strength is not None and strength[0] >= 1.0
+            if is_plain and color is not None and (color == 1.0).all():
+                found["edgeTint"] = _constant(0.0)
+            return found
+        base, weight = self.fixed("base_color", *_GRAY), self.fixed("base", 1.0)
+        if self.number("metalness", 0.0) != 1.0:
+            return found
+        if strength is None or color is None or base is None or weight is None:
+            return found
+        r, g = np.clip(base * weight, 0.0, 0.99), np.clip(strength * color, 0.0, 1.0)
+        n = g * (1 - r) / (1 + r) + (1 - g) * (1 + np.sqrt(r)) / (1 - np.sqrt(r))
+        k = np.sqrt(np.maximum(r * (n + 1) ** 2 - (n - 1) ** 2, 0) / (1 - r))
+        # Fresnel's equations for conductors without complex numbers (Born & Wolf, 14.2), at 1/7.
+        cosine, sine2, turned = 1 / 7, 48 / 49, 48 / 7
+        root = np.hypot(n**2 - k**2 - sine2, 2 * n * k)
+        a = np.sqrt(np.maximum(root + n**2 - k**2 - sine2, 0) / 2)
+        across, level, slope = root + cosine**2, root + turned**2, 2 * a * turned
+        s_wave = (across - 2 * a * cosine) / (across + 2 * a * cosine)
+        share = s_wave * (1 + (level - slope) / (level + slope)) / 2
+        edges = np.minimum(share / (r + (1 - r) * (1 - cosine) ** 5), 1.0)
+        found["specularTint"] = lambda st: np.tile(edges, (len(st), 1))
+        found["edgeTint"] = _constant(float((edges != 1.0).any()))
+        return {**found, "specular": _constant(1.0)}
 
     def _walk(self, is_open: bool) -> dict[str, Function]:
         """Channels of the inside of a solid that scatters light; none of another."""
