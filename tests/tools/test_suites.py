@@ -75,6 +75,12 @@ def test_a_scene_of_mitsuba_is_translated_or_its_plugin_named(tmp_path: Path) ->
     assert found.scene["reflection"]["diffuse_bounces"] == 1
     (tmp_path / "scene.toml").write_text(found.text(), encoding="utf-8")
     subprocess.run([BINARY, "check", tmp_path / "scene.toml"], check=True)
+    metal = scene.replace(
+        'rgb name="reflectance" value=".1 .2 .3"', 'string name="material" value="Cr"'
+    )
+    path.write_text(metal.replace("SURFACE", "conductor"), encoding="utf-8")
+    tint = mitsuba.Translation(path, tmp_path).scene["material"]["m0"]["specular_color"]
+    assert tint == pytest.approx([0.697, 0.757, 0.85], abs=1e-3)
     turned = scene.replace("/></film>", "/></film><boolean name='flip' value='true'/>")
     path.write_text(turned.replace("SURFACE", "plastic"), encoding="utf-8")
     named = ["`orthographic` with `flip`", "`plastic`"]

@@ -59,6 +59,7 @@ KNOWN = {
     "diffuse": "reflectance",
     "blendbsdf": "",
     "dielectric": "int_ior ext_ior",
+    "conductor": "eta k material",
     "mesh_attribute": "name",
     "checkerboard": "color0 color1 to_uv",
     "bitmap": "filename raw wrap_mode filter_type to_uv format",
@@ -116,6 +117,10 @@ class Nodes:
 
     def made(self, node: Any, **further: Any) -> Any:
         """Parameters of a node's object, which is made without the node's children."""
+        return self.mi.traverse(self.object(node, **further))
+
+    def object(self, node: Any, **further: Any) -> Any:
+        """A node's object, made without the node's children."""
         plain = {"type": node.props.plugin_name(), **further}
         for name, value in node.props.items():
             if not self.is_node(value):
@@ -123,7 +128,7 @@ class Nodes:
                 plain[name] = self.mi.ScalarTransform4f(value.matrix) if is_transform else value
         if "filename" in plain:
             plain["filename"] = self.file(node)
-        return self.mi.traverse(self.mi.load_dict(plain))
+        return self.mi.load_dict(plain)
 
     def file(self, node: Any) -> str:
         return str(self.mi.file_resolver().resolve(node.props["filename"]))
@@ -201,6 +206,8 @@ def material(nodes: Nodes, shape: Any, mesh: Table) -> Table:
         mesh["colors"] = low + (high - low) * weight
     elif kind == "dielectric":
         return glass(nodes, shape, bsdf)
+    elif kind == "conductor" and not kinds:
+        return metal(nodes, bsdf)
     else:
         facets = bsdf.props.get("distribution", "beckmann") if kind.startswith("rough") else ""
         raise OtherError(f"`{kind}`" + (f" ({facets})" if facets else ""))
@@ -224,6 +231,20 @@ def image(nodes: Nodes, texture: Any) -> Table:
     sampler |= {"magFilter": FILTERS[smooth], "minFilter": FILTERS[smooth]}
     turn = np.array(nodes.made(texture)["to_uv"].matrix)
     return {"bitmap": bitmap, "sampler": sampler, "turn": turn}
+
+
+def metal(nodes: Nodes, bsdf: Any) -> Table:
+    """Keys of a smooth metal: its reflectance head on, and at 82° over Schlick's share there."""
+    mi, surface = nodes.mi, nodes.object(bsdf)
+    shares = []
+    for cosine in (1, 1 / 7):
+        hit = mi.SurfaceInteraction3f()
+        hit.wi = [math.sqrt(1 - cosine**2), 0, cosine]
+        shares.append(np.array(surface.sample(mi.BSDFContext(), hit, 0.5, [0.5, 0.5])[1], float))
+    color = shares[0]
+    tint = shares[1] / (color + (1 - color) * (6 / 7) ** 5)
+    keys: Table = {"metallic": 1, "roughness": 0, "base_color": color, "edge_tint": True}
+    return keys | {"specular_color": tint}
 
 
 def glass(nodes: Nodes, shape: Any, bsdf: Any) -> Table:
@@ -255,7 +276,8 @@ class Translation:
         self.others = self.nodes.unknown()
         """Plugins that scene text has no exact counterpart for."""
         self.filter, self.size = "", (0, 0)
-        self.is_matte = True
+        self.kinds: set[str] = set()
+        """Kinds of surfaces: matte, metal and glass."""
         kind = self.nodes.kind
         # The integrator is last: its bounds depend on the materials.
         for wanted, translate in (
@@ -284,8 +306,10 @@ class Translation:
         depth = 2 if kind == "direct" else node.props.get("max_depth", -1)
         bounds: Table = {"method": "path"}
         if 0 <= depth < DEEP:
-            bounds = {"method": "rt", "diffuse_bounces": depth - 2}
-            if not self.is_matte or not 2 <= depth <= MOST_BOUNCES + 2:
+            name = "bounces" if self.kinds == {"metal"} else "diffuse_bounces"
+            further = depth - 1 if name == "bounces" else depth - 2
+            bounds = {"method": "rt", name: further}
+            if len(self.kinds) > 1 or "glass" in self.kinds or not 0 <= further <= MOST_BOUNCES:
                 raise OtherError(f"`max_depth` {depth}")
         bounds |= {"roughness_cutoff": 1, "glint_limit": 0, "filter": False, "reuse_light": False}
         self.scene["reflection"] = bounds | {"unit_m": 1, "ray_length_u": 1e6}
@@ -353,8 +377,9 @@ class Translation:
             if kind == "sphere" or nodes.children(emitter):
                 raise OtherError("`area` of `sphere`" if kind == "sphere" else "textured `area`")
             keys |= {"emission": nodes.color(emitter, "radiance", 1), "light": True}
-        is_matte = "transmission" not in keys
-        self.is_matte &= is_matte
+        surface = "glass" if "transmission" in keys else "metal" if keys["metallic"] else "matte"
+        self.kinds.add(surface)
+        is_matte = surface == "matte"
         if kind != "sphere":
             write_mesh(self.folder / f"{name}.glb", mesh, is_matte)
             self.scene["model"][name] = {"file": f"{name}.glb", "material": {"front": keys}}
