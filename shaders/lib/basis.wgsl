@@ -10,3 +10,12 @@ fn basis(n: vec3f) -> mat3x3f {
         n,
     );
 }
+
+// A point of the world in object space, by the rows of an instance's `object_from_world`.
+fn to_object(rows: mat3x4f, p: vec3f) -> vec3f {
+    return direction_to_object(rows, p - vec3f(rows[0].w, rows[1].w, rows[2].w));
+}
+
+fn direction_to_object(rows: mat3x4f, d: vec3f) -> vec3f {
+    return d * mat3x3f(rows[0].xyz, rows[1].xyz, rows[2].xyz);
+}

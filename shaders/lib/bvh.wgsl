@@ -5,12 +5,13 @@
 // declares:
 //   node_words(i: u32) -> vec4u        NODE_VECTORS per node, for walk_trees
 //   triangle_words(i: u32) -> vec4u    TRIANGLE_VECTORS per TraceTriangle
-//   instances: array<…>        with object_from_world: array<vec4f, 3>, tree_root, trace_flags: u32
+//   instance_values(i: u32) -> InstanceValues, with object_from_world: mat3x4f, tree_root, trace_flags: u32
 //   alpha_passes(instance: u32, triangle: u32, bary: vec2f) -> bool
 //
 // Nearest hits ignore single-sided triangles from behind; shadow rays are blocked by either side.
 // Intervals are open: t_min < t < t_max. Directions may have any length but 0; t is in units of that length.
 
+#import basis
 #import capsule
 #import constants
 #import coplanar
@@ -202,9 +203,7 @@ fn is_blocked(best: Hit) -> bool {
 }
 
 // The ray in an instance's object space; t has the same meaning there.
-fn object_ray(instance: u32, origin: vec3f, direction: vec3f) -> TraversalRay {
-    let rows = instance_object_from_world(instance);
-    let offset = origin - vec3f(rows[0].w, rows[1].w, rows[2].w);
-    let linear = mat3x3f(rows[0].xyz, rows[1].xyz, rows[2].xyz);
-    return traversal_ray(offset * linear, direction * linear);
+fn object_ray(values: InstanceValues, origin: vec3f, direction: vec3f) -> TraversalRay {
+    let rows = values.object_from_world;
+    return traversal_ray(to_object(rows, origin), direction_to_object(rows, direction));
 }

@@ -23,15 +23,15 @@ struct TouchingPlane {
 // Plane that touches a capsule where `normal`, in object space, points; `round` is where a ray of unit `direction`
 // meets the capsule. The capsule, and others on a sheet of them, are below the shaded point: they neither shadow it nor
 // meet rays that it mirrors.
-fn touching_plane(instance: u32, axis: vec3f, round: vec3f, normal: vec3f, direction: vec3f) -> TouchingPlane {
+fn touching_plane(values: InstanceValues, axis: vec3f, round: vec3f, normal: vec3f, direction: vec3f) -> TouchingPlane {
     // A line has no surface that looks along it.
     let across = normal - axis * (dot(normal, axis) / max(dot(axis, axis), 1e-37));
     let outward = select(round, normalize(across), dot(across, across) > 1e-6);
-    let scaled = normal_to_world(instance, outward);
-    let radius_m = instance_capsule_radius_m(instance) / length(scaled);
+    let scaled = normal_to_world(values, outward);
+    let radius_m = values.capsule_radius_m / length(scaled);
     let cosine = dot(normalize(scaled), direction);
     let height_m = radius_m * (1.0 - dot(round, outward) * select(1.0, -1.0, cosine > 0.0));
-    let enters = dot(normal_to_world(instance, round), direction) < 0.0;
+    let enters = dot(normal_to_world(values, round), direction) < 0.0;
     let back_m = min(height_m / max(abs(cosine), 1e-6), FARTHEST_RADII * radius_m);
     return TouchingPlane(normalize(scaled), select(0.0, back_m, enters));
 }

@@ -30,11 +30,12 @@ fn square_place(vertex: u32) -> vec2f {
 fn capsule_vertex(instance: u32, vertex: u32, eye: vec4f, clip_from_world: mat4x4f, width: vec2f) -> vec4f {
     let c = corners(instance, capsule_of_vertex(vertex));
     let axis = select(c.p[1] - c.p[0], vec3f(0.0), SPHERES);
-    let radius = instance_capsule_radius_m(instance);
+    let values = c.values;
+    let radius = values.capsule_radius_m;
     let side = square_place(vertex);
-    let rows = instance_object_from_world(instance);
+    let rows = values.object_from_world;
     let from_eye = eye.xyz - eye.w * vec3f(rows[0].w, rows[1].w, rows[2].w);
-    let seen = vec3f(dot(rows[0].xyz, from_eye), dot(rows[1].xyz, from_eye), dot(rows[2].xyz, from_eye));
+    let seen = direction_to_object(rows, from_eye);
     let has_eye = eye.w > 0.0;
     let base = select(seen, c.p[0] - seen, has_eye);
     let end = select(seen, base + axis, has_eye);
@@ -48,9 +49,9 @@ fn capsule_vertex(instance: u32, vertex: u32, eye: vec4f, clip_from_world: mat4x
     let round = radius * inverseSqrt(max(nearest_m * nearest_m - radius * radius, 1e-4 * radius * radius));
     // A point or a line that is thinner than a pixel is drawn as wide: see pixel_radius_m.
     let squeeze = max(length(rows[0].xyz), max(length(rows[1].xyz), length(rows[2].xyz)));
-    let way = max(distance(eye.xyz, to_world(instance, c.p[0])) / base_m, distance(eye.xyz, to_world(instance, c.p[0] + axis)) / end_m);
+    let way = max(distance(eye.xyz, to_world(values, c.p[0])) / base_m, distance(eye.xyz, to_world(values, c.p[0] + axis)) / end_m);
     let least_px = select(LINE_PX, POINT_PX, SPHERES || dot(axis, axis) == 0.0);
-    let half_px = select(0.0, 0.5 * least_px, (instance_flags(instance) & FLAG_AT_LEAST_A_PIXEL) != 0u);
+    let half_px = select(0.0, 0.5 * least_px, (values.flags & FLAG_AT_LEAST_A_PIXEL) != 0u);
     let spread = max(round, half_px * squeeze * width.y * way);
     let outer_base = base / base_m - cross(across, base / base_m) * spread;
     let outer_end = end / end_m + cross(across, end / end_m) * spread;
@@ -63,5 +64,5 @@ fn capsule_vertex(instance: u32, vertex: u32, eye: vec4f, clip_from_world: mat4x
     let half_m = SHAPE_MARGIN * select(max(radius, half_px * squeeze * width.x), spread * select(base_m, end_m, side.x > 0.0), has_eye);
     let corner = (cross(across, toward) * side.x + across * side.y) * half_m;
     let position = c.p[0] + select(vec3f(0.0), axis, side.x > 0.0) + corner;
-    return clip_from_world * vec4f(to_world(instance, position), 1.0);
+    return clip_from_world * vec4f(to_world(values, position), 1.0);
 }

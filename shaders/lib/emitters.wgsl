@@ -46,13 +46,13 @@ struct SeenTriangle {
     solid_angle: f32, // steradians; 0: its points are chosen by area
 }
 
-fn seen_triangle(instance: u32, c: Corner, position: vec3f) -> SeenTriangle {
+fn seen_triangle(c: Corner, position: vec3f) -> SeenTriangle {
     var t: SeenTriangle;
-    for (var k = 0u; k < 3u; k++) { t.p[k] = to_world(instance, c.p[k]) - position; }
+    for (var k = 0u; k < 3u; k++) { t.p[k] = to_world(c.values, c.p[k]) - position; }
     let e1 = t.p[1] - t.p[0];
     let e2 = t.p[2] - t.p[0];
     t.area2 = cross(e1, e2);
-    if ((instance_flags(instance) & FLAG_MIRRORED) != 0u) { t.area2 = -t.area2; }
+    if ((c.values.flags & FLAG_MIRRORED) != 0u) { t.area2 = -t.area2; }
     if (dot(t.p[0], t.p[0]) > FAR_EDGES * FAR_EDGES * max(dot(e1, e1), dot(e2, e2))) { return t; }
     // Van Oosterom & Strackee 1983, "The Solid Angle of a Plane Triangle".
     let a = normalize(t.p[0]);
@@ -132,9 +132,9 @@ fn emitter_sample(chosen: LightChoice, candidates: f32, position: vec3f, u: vec2
         return EmitterSample(r, 1.0, lamp_shown(chosen.triangle));
     }
     let instance = chosen.instance;
-    let m = instance_material(instance);
     let c = corners(instance, chosen.triangle);
-    let t = seen_triangle(instance, c, position);
+    let m = c.values.material;
+    let t = seen_triangle(c, position);
     let bary = sampled_place(t, u);
     let offset = t.p[0] + (t.p[1] - t.p[0]) * bary.x + (t.p[2] - t.p[0]) * bary.y;
     let d2 = max(dot(offset, offset), 1e-20);
@@ -142,11 +142,11 @@ fn emitter_sample(chosen: LightChoice, candidates: f32, position: vec3f, u: vec2
     r.to_light = offset / r.distance_m;
     var facing = -dot(t.area2, r.to_light) / max(length(t.area2), 1e-30);
     let seen_share = select(1.0, INNER_SHARE, facing < 0.0 && chosen.sides == 1u);
-    if ((instance_trace_flags(instance) & DOUBLE_SIDED) != 0u) { facing = abs(facing); }
+    if ((c.values.trace_flags & DOUBLE_SIDED) != 0u) { facing = abs(facing); }
     if (facing <= 0.0) { return EmitterSample(r, 0.0, 0.0); }
-    var emission = material_at(m, instance, c.index, bary, Footprint()).emission * emitted_share(m, instance, c.index, bary, facing);
+    var emission = material_at(m, instance, c, bary, Footprint()).emission * emitted_share(m, instance, c, bary, facing);
     if (HAS_TEXTURES) {
-        emission *= texel_at(material_texture(m, EMISSION_SLOT), pools_of(EMISSION_SLOT), instance, c.index, bary, Footprint()).xyz;
+        emission *= texel_at(material_texture(m, EMISSION_SLOT), pools_of(EMISSION_SLOT), c, bary, Footprint()).xyz;
     }
     r.pdf = candidates * point_density(t, d2, facing);
     r.color = emission / max(r.pdf, 1e-30);
@@ -201,7 +201,7 @@ fn met_emission(ray: Reflected, instance: u32, triangle: u32, distance_m: f32, s
     if (ray.pdf == TAKEN) { return 0.0; }
     let way_m = distance_m + passed_m;
     let origin = s.position - ray.direction * way_m;
-    let t = seen_triangle(instance, corners(instance, triangle), origin);
+    let t = seen_triangle(corners(instance, triangle), origin);
     let facing = abs(dot(s.geometric_normal, ray.direction));
     let candidates = expected_candidates(light_chances(instance, triangle, LitPoint(origin, ray.normal, 0u)));
     let pdf = candidates * point_density(t, way_m * way_m, facing);

@@ -64,28 +64,28 @@ fn schlick_f0(reflectance: vec3f, cosine: f32) -> vec3f {
 
 // The surface with reflectances at normal incidence that reproduce its film as seen at this angle. All facets use
 // the same values.
-fn with_film(s0: Surface, instance: u32, index: array<u32, 3>, bary: vec2f, footprint: Footprint, cosine: f32) -> Surface {
+fn with_film(s0: Surface, c: Corner, bary: vec2f, footprint: Footprint, cosine: f32) -> Surface {
     var s = s0;
     if (!HAS_FILM) { return s; }
-    let m = instance_material(instance);
+    let m = c.values.material;
     var strength = s.iridescence;
-    if (LAYER_POOLS != 0u && strength > 0.0) { strength *= layer_texel(IRIDESCENCE_SLOT, instance, index, bary, footprint).x; }
+    if (LAYER_POOLS != 0u && strength > 0.0) { strength *= layer_texel(IRIDESCENCE_SLOT, c, bary, footprint).x; }
     if (strength <= 0.0) { return s; }
-    let thickness = layer_texel(IRIDESCENCE_THICKNESS_SLOT, instance, index, bary, footprint).y;
+    let thickness = layer_texel(IRIDESCENCE_THICKNESS_SLOT, c, bary, footprint).y;
     let thickness_nm = mix(material_iridescence_least_nm(m), s.iridescence_thickness_nm, thickness);
     // A film far thinner than a wavelength is invisible.
     strength *= smoothstep(0.0, LEAST_FILM_NM, thickness_nm);
     let ior = material_iridescence_ior(m);
-    let c = max(abs(cosine), 0.02);
+    let cosine_shown = max(abs(cosine), 0.02);
     let bare = s.reflectivity * s.specular;
     if (bare > 0.0 && s.metallic < 1.0) {
         s.has_film = true;
         s.has_edge_tint = false; // the specular color becomes the color of the film
         let f0 = min(s.reflectivity * s.specular_color, vec3f(1.0)) * s.specular;
-        s.specular_color = mix(f0, schlick_f0(film_fresnel(f0, ior, thickness_nm, c), c), strength) / bare;
+        s.specular_color = mix(f0, schlick_f0(film_fresnel(f0, ior, thickness_nm, cosine_shown), cosine_shown), strength) / bare;
     }
     if (s.metallic > 0.0) {
-        s.base_color = mix(s.base_color, schlick_f0(film_fresnel(s.base_color, ior, thickness_nm, c), c), strength);
+        s.base_color = mix(s.base_color, schlick_f0(film_fresnel(s.base_color, ior, thickness_nm, cosine_shown), cosine_shown), strength);
     }
     return s;
 }

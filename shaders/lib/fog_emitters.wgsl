@@ -11,7 +11,7 @@ const FOG_BY_POWER: u32 = 4u;
 fn emitter_center(chosen: LightChoice) -> vec3f {
     if (HAS_TREE_LAMPS && chosen.instance == NONE) { return tree_lamp(chosen.triangle).position; }
     let c = corners(chosen.instance, chosen.triangle);
-    return to_world(chosen.instance, (c.p[0] + c.p[1] + c.p[2]) / 3.0);
+    return to_world(c.values, (c.p[0] + c.p[1] + c.p[2]) / 3.0);
 }
 
 fn chances_in_fog(chosen: LightChoice, lit: LitPoint) -> vec2f {

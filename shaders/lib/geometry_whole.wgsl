@@ -8,22 +8,6 @@ fn mesh_word(i: u32) -> u32 {
     return mesh_data[i];
 }
 
-fn vertex_position(i: u32) -> vec3f {
-    return vertices[i].position;
-}
-
-fn vertex_normal(i: u32) -> u32 {
-    return vertices[i].normal;
-}
-
-fn vertex_uv(i: u32) -> vec2f {
-    return vertices[i].uv;
-}
-
-fn vertex_tangent(i: u32) -> u32 {
-    return vertices[i].tangent;
-}
-
-fn vertex_shade(i: u32) -> u32 {
-    return vertices[i].color;
+fn vertex_at(i: u32) -> Vertex {
+    return vertices[i];
 }

@@ -19,9 +19,9 @@ struct Triangle {
 fn triangle_of(id: vec2u, origin: vec3f) -> Triangle {
     if (COUNT) { march_triangles++; }
     let c = corners(id.x, id.y);
-    let corner = to_world(id.x, c.p[0]) - origin;
-    let edge1 = to_world(id.x, c.p[1]) - origin - corner;
-    let edge2 = to_world(id.x, c.p[2]) - origin - corner;
+    let corner = to_world(c.values, c.p[0]) - origin;
+    let edge1 = to_world(c.values, c.p[1]) - origin - corner;
+    let edge2 = to_world(c.values, c.p[2]) - origin - corner;
     return Triangle(corner, edge1, edge2, cross(edge1, edge2));
 }
 

@@ -265,12 +265,12 @@ fn shade(s: Surface, view: vec3f, reused: vec2u) -> Shade {
 
 // Share of the emission at a point of a triangle that leaves the surface at this cosine, past its coat and its
 // alpha.
-fn emitted_share(material: u32, instance: u32, index: array<u32, 3>, bary: vec2f, cosine: f32) -> f32 {
+fn emitted_share(material: u32, instance: u32, c: Corner, bary: vec2f, cosine: f32) -> f32 {
     if (!HAS_LAYERS) { return 1.0; }
-    var s = material_at(material, instance, index, bary, Footprint());
-    s.clearcoat *= layer_texel(CLEARCOAT_SLOT, instance, index, bary, Footprint()).x;
+    var s = material_at(material, instance, c, bary, Footprint());
+    s.clearcoat *= layer_texel(CLEARCOAT_SLOT, c, bary, Footprint()).x;
     s.alpha = 1.0;
-    if (material_is_blended(material) != 0u) { s.alpha = material_alpha(material, instance, index, bary, Footprint()); }
+    if (material_is_blended(material) != 0u) { s.alpha = material_alpha(material, instance, c, bary, Footprint()); }
     return s.alpha * coat_transmittance(s, cosine);
 }
 

@@ -83,13 +83,14 @@ override HAS_COAT_NORMALS: bool = true;
 
 // A surface with the parameters of a material, before textures.
 fn material_surface(m: u32) -> Surface {
-    var s = plain_surface(m);
-    s.has_index = HAS_INDICES && (material_reflection(m) & OF_INDEX) != 0u;
-    s.has_edge_tint = HAS_EDGE_TINTS && (material_reflection(m) & EDGE_TINT) != 0u;
+    let values = material_values(m);
+    var s = plain_surface(values);
+    s.has_index = HAS_INDICES && (values.reflection & OF_INDEX) != 0u;
+    s.has_edge_tint = HAS_EDGE_TINTS && (values.reflection & EDGE_TINT) != 0u;
     s.coat_reflectivity = COAT_REFLECTIVITY;
-    if (HAS_COAT_INDICES) { s.coat_reflectivity = material_coat_reflectivity(m); }
+    if (HAS_COAT_INDICES) { s.coat_reflectivity = values.coat_reflectivity; }
     s.occlusion = 1.0;
-    s.reflection = material_reflection(m) & ~(OF_INDEX | EDGE_TINT);
-    s.unlit = material_unlit(m) != 0u;
+    s.reflection = values.reflection & ~(OF_INDEX | EDGE_TINT);
+    s.unlit = values.unlit != 0u;
     return s;
 }

@@ -25,11 +25,10 @@ struct PatternedPoint {
     instance: u32,
 }
 
-fn patterned_point(instance: u32, index: array<u32, 3>, bary: vec2f, footprint: Footprint) -> PatternedPoint {
-    let base = instance_vertex_base(instance);
-    let p = vertex_position(base + index[0]);
-    let e1 = vertex_position(base + index[1]) - p;
-    let e2 = vertex_position(base + index[2]) - p;
+fn patterned_point(instance: u32, c: Corner, bary: vec2f, footprint: Footprint) -> PatternedPoint {
+    let p = c.p[0];
+    let e1 = c.p[1] - p;
+    let e2 = c.p[2] - p;
     let across = cross(e1, e2);
     let area2_object = max(length(across), 1e-20);
     return PatternedPoint(p + e1 * bary.x + e2 * bary.y, across / area2_object, footprint.width_share * sqrt(area2_object), instance);
@@ -102,8 +101,8 @@ fn with_patterned(s0: Surface, m: u32, at: PatternedPoint) -> Surface {
 }
 
 // Surface with the parameters of a material at a point of a triangle, before textures.
-fn material_at(m: u32, instance: u32, index: array<u32, 3>, bary: vec2f, footprint: Footprint) -> Surface {
+fn material_at(m: u32, instance: u32, c: Corner, bary: vec2f, footprint: Footprint) -> Surface {
     let s = material_surface(m);
     if (!HAS_PATTERNED) { return s; }
-    return with_patterned(s, m, patterned_point(instance, index, bary, footprint));
+    return with_patterned(s, m, patterned_point(instance, c, bary, footprint));
 }

@@ -7,9 +7,9 @@
 // barycentric weights.
 fn plane_hit(origin: vec3f, direction: vec3f, instance: u32, triangle: u32) -> vec3f {
     let c = corners(instance, triangle);
-    let p0 = to_world(instance, c.p[0]) - origin;
-    let e1 = to_world(instance, c.p[1]) - origin - p0;
-    let e2 = to_world(instance, c.p[2]) - origin - p0;
+    let p0 = to_world(c.values, c.p[0]) - origin;
+    let e1 = to_world(c.values, c.p[1]) - origin - p0;
+    let e2 = to_world(c.values, c.p[2]) - origin - p0;
     let p = cross(direction, e2);
     let determinant = dot(e1, p);
     let inverse = select(0.0, 1.0 / determinant, abs(determinant) > 1e-30);

@@ -23,16 +23,16 @@ fn is_cutout(instance: u32) -> bool {
     return HAS_CUTOUT && instance != NONE && material_alpha_cutoff(instance_material(instance)) >= 0.0;
 }
 
-fn to_world(i: u32, p: vec3f) -> vec3f {
-    return vec4f(p, 1.0) * instance_world_from_object(i);
+fn to_world(values: InstanceValues, p: vec3f) -> vec3f {
+    return vec4f(p, 1.0) * values.world_from_object;
 }
 
-fn direction_to_world(i: u32, d: vec3f) -> vec3f {
-    return vec4f(d, 0.0) * instance_world_from_object(i);
+fn direction_to_world(values: InstanceValues, d: vec3f) -> vec3f {
+    return vec4f(d, 0.0) * values.world_from_object;
 }
 
 // Normals are transformed by the inverse transpose.
-fn normal_to_world(i: u32, n: vec3f) -> vec3f {
-    let rows = instance_object_from_world(i);
+fn normal_to_world(values: InstanceValues, n: vec3f) -> vec3f {
+    let rows = values.object_from_world;
     return rows[0].xyz * n.x + rows[1].xyz * n.y + rows[2].xyz * n.z;
 }

@@ -18,16 +18,21 @@ override HAS_TEXTURES: bool = true;
 override HAS_CHECKERS: bool = true;
 
 struct Corner {
+    values: InstanceValues,
     p: array<vec3f, 3>,
+    vertex: array<Vertex, 3>,
     index: array<u32, 3>,
 }
 
+// Instances and materials are read once, by `instance_values` and `material_values`: some drivers read again at each call.
 fn corners(instance: u32, triangle: u32) -> Corner {
     var c: Corner;
-    let base = instance_index_base(instance) + triangle * 3u;
+    c.values = instance_values(instance);
+    let base = c.values.index_base + triangle * 3u;
     for (var k = 0u; k < 3u; k++) {
         c.index[k] = mesh_word(base + k);
-        c.p[k] = vertex_position(instance_vertex_base(instance) + c.index[k]);
+        c.vertex[k] = vertex_at(c.values.vertex_base + c.index[k]);
+        c.p[k] = c.vertex[k].position;
     }
     return c;
 }
@@ -38,9 +43,9 @@ fn is_capsule(instance: u32) -> bool {
 
 // Barycentric weights of vertex 1 and vertex 2 at the second part of a hit, which of a capsule is a place on its
 // surface.
-fn weights_at(instance: u32, p: array<vec3f, 3>, bary: vec2f) -> vec2f {
-    if (!is_capsule(instance)) { return bary; }
-    return vec2f(capsule_point(bary, p[1] - p[0], instance_capsule_radius_m(instance)).share, 0.0);
+fn weights_at(c: Corner, bary: vec2f) -> vec2f {
+    if (!HAS_CAPSULES || c.values.capsule_radius_m <= 0.0) { return bary; }
+    return vec2f(capsule_point(bary, c.p[1] - c.p[0], c.values.capsule_radius_m).share, 0.0);
 }
 
 // Hit of a ray with a capsule; t is in lengths of the direction.
@@ -52,7 +57,7 @@ struct CapsuleHit {
 
 // Radius in object space at which a capsule is a pixel wide where a ray passes it: of the ray alone, so that neither
 // near nor far parts of a cloud become blobs. `o` is relative to the base.
-fn pixel_radius_m(instance: u32, o: vec3f, d: vec3f, axis: vec3f, width: vec2f) -> f32 {
+fn pixel_radius_m(values: InstanceValues, o: vec3f, d: vec3f, axis: vec3f, width: vec2f) -> f32 {
     let dd = dot(d, d);
     let along = dot(axis, d);
     // Where the line of the ray and the axis are nearest to each other.
@@ -62,7 +67,7 @@ fn pixel_radius_m(instance: u32, o: vec3f, d: vec3f, axis: vec3f, width: vec2f) 
     let away = o + d * t - axis * share;
     // A placement may squeeze the capsule by another factor on each side.
     let side = select(away, capsule_frame(normalize(d))[0], dot(away, away) <= 1e-12 * dd * t * t);
-    let squeezed = length(direction_to_world(instance, side)) / length(side);
+    let squeezed = length(direction_to_world(values, side)) / length(side);
     let half_m = select(LINE_PX, POINT_PX, dot(axis, axis) == 0.0) * 0.5 * (width.x + width.y * t);
     return min(half_m / max(squeezed, 1e-30), 0.25 * abs(t) * sqrt(dd));
 }
@@ -71,55 +76,53 @@ fn pixel_radius_m(instance: u32, o: vec3f, d: vec3f, axis: vec3f, width: vec2f) 
 // `width` is of a pixel: m at the ray's origin, and m more for each length of its direction; thinner points and lines get it.
 fn capsule_hit(instance: u32, capsule: u32, origin: vec3f, direction: vec3f, t_min: f32, width: vec2f, shadow: bool) -> CapsuleHit {
     let c = corners(instance, capsule);
+    let values = c.values;
     let axis = c.p[1] - c.p[0];
-    let rows = instance_object_from_world(instance);
-    let offset = origin - vec3f(rows[0].w, rows[1].w, rows[2].w);
-    let o = vec3f(dot(rows[0].xyz, offset), dot(rows[1].xyz, offset), dot(rows[2].xyz, offset)) - c.p[0];
-    let d = vec3f(dot(rows[0].xyz, direction), dot(rows[1].xyz, direction), dot(rows[2].xyz, direction));
-    var radius = instance_capsule_radius_m(instance);
-    if ((instance_flags(instance) & FLAG_AT_LEAST_A_PIXEL) != 0u && width.x + width.y > 0.0) { radius = max(radius, pixel_radius_m(instance, o, d, axis, width)); }
+    let o = to_object(values.object_from_world, origin) - c.p[0];
+    let d = direction_to_object(values.object_from_world, direction);
+    var radius = values.capsule_radius_m;
+    if ((values.flags & FLAG_AT_LEAST_A_PIXEL) != 0u && width.x + width.y > 0.0) { radius = max(radius, pixel_radius_m(values, o, d, axis, width)); }
     let span = capsule_span(o, d, axis, radius);
     if (!span.is_met) {
         let t = dot(0.5 * axis - o, d) / dot(d, d);
         return CapsuleHit(false, t, capsule_place(o + d * t, axis, radius));
     }
-    let sees_backs = shadow || (instance_trace_flags(instance) & DOUBLE_SIDED) != 0u;
+    let sees_backs = shadow || (values.trace_flags & DOUBLE_SIDED) != 0u;
     let t = select(span.enter, span.leave, span.enter <= t_min && sees_backs);
     return CapsuleHit(t > t_min, t, capsule_place(o + d * t, axis, radius));
 }
 
-fn uv_corner(instance: u32, index: u32, second: bool) -> vec2f {
-    let base = instance_uv1_base(instance);
-    if (second && base != NONE) {
-        let at = base + index * 2u;
+fn uv_corner(c: Corner, k: u32, second: bool) -> vec2f {
+    if (second && c.values.uv1_base != NONE) {
+        let at = c.values.uv1_base + c.index[k] * 2u;
         return vec2f(bitcast<f32>(mesh_word(at)), bitcast<f32>(mesh_word(at + 1u)));
     }
-    return vertex_uv(instance_vertex_base(instance) + index);
+    return c.vertex[k].uv;
 }
 
-fn material_alpha(material: u32, instance: u32, index: array<u32, 3>, bary: vec2f, footprint: Footprint) -> f32 {
+fn material_alpha(material: u32, instance: u32, c: Corner, bary: vec2f, footprint: Footprint) -> f32 {
     let slot = material_texture(material, BASE_COLOR_SLOT);
     var alpha = material_base_color(material).w;
-    if (HAS_PATTERNED) { alpha = patterned_alpha(material, alpha, patterned_point(instance, index, bary, footprint)); }
-    if (HAS_TEXTURES) { alpha *= texel_at(slot, pools_of(BASE_COLOR_SLOT), instance, index, bary, footprint).w; }
-    if ((instance_flags(instance) & FLAG_COLORS) != 0u) { alpha *= vertex_color(instance, index, bary).w; }
+    if (HAS_PATTERNED) { alpha = patterned_alpha(material, alpha, patterned_point(instance, c, bary, footprint)); }
+    if (HAS_TEXTURES) { alpha *= texel_at(slot, pools_of(BASE_COLOR_SLOT), c, bary, footprint).w; }
+    if ((c.values.flags & FLAG_COLORS) != 0u) { alpha *= vertex_color(c, bary).w; }
     return alpha;
 }
 
-fn vertex_color(instance: u32, index: array<u32, 3>, bary: vec2f) -> vec4f {
-    let base = instance_vertex_base(instance);
-    return unpack4x8unorm(vertex_shade(base + index[0])) * (1.0 - bary.x - bary.y)
-        + unpack4x8unorm(vertex_shade(base + index[1])) * bary.x
-        + unpack4x8unorm(vertex_shade(base + index[2])) * bary.y;
+// Colors are read apart, as few meshes have them.
+fn vertex_color(c: Corner, bary: vec2f) -> vec4f {
+    let base = c.values.vertex_base;
+    return unpack4x8unorm(vertex_at(base + c.index[0]).color) * (1.0 - bary.x - bary.y)
+        + unpack4x8unorm(vertex_at(base + c.index[1]).color) * bary.x
+        + unpack4x8unorm(vertex_at(base + c.index[2]).color) * bary.y;
 }
 
 // Whether a cut-out surface is solid at a point. It samples the finest mip level: coverage must not depend on the
 // kind of ray.
 fn alpha_passes(instance: u32, triangle: u32, bary: vec2f) -> bool {
-    let material = instance_material(instance);
     let c = corners(instance, triangle);
-    let weights = weights_at(instance, c.p, bary);
-    return material_alpha(material, instance, c.index, weights, Footprint()) >= material_alpha_cutoff(material);
+    let m = c.values.material;
+    return material_alpha(m, instance, c, weights_at(c, bary), Footprint()) >= material_alpha_cutoff(m);
 }
 
 // Where a capsule is first solid along a ray past `t_min`: a cut-out one perhaps on its inner side.
@@ -177,15 +180,15 @@ fn cone_diameters(cone_m: f32, direction: vec3f, normal: vec3f) -> mat2x3f {
 // Surface at a hit. `direction` is the unit direction of the arriving ray, `cone_m` the width of its cone here; `place`
 // are barycentric weights, or the place on a capsule.
 fn surface_at(instance: u32, triangle: u32, place: vec2f, direction: vec3f, cone_m: f32) -> Surface {
-    let m = instance_material(instance);
-    var s = material_surface(m);
-    let flags = instance_flags(instance);
     let c = corners(instance, triangle);
-    let p0 = to_world(instance, c.p[0]);
-    let e1 = to_world(instance, c.p[1]) - p0;
-    let e2 = to_world(instance, c.p[2]) - p0;
-    let is_round = is_capsule(instance);
-    let radius = instance_capsule_radius_m(instance);
+    let values = c.values;
+    let m = values.material;
+    var s = material_surface(m);
+    let p0 = to_world(values, c.p[0]);
+    let e1 = to_world(values, c.p[1]) - p0;
+    let e2 = to_world(values, c.p[2]) - p0;
+    let radius = values.capsule_radius_m;
+    let is_round = HAS_CAPSULES && radius > 0.0;
     var round = CapsulePoint();
     var bary = place;
     if (is_round) {
@@ -196,23 +199,20 @@ fn surface_at(instance: u32, triangle: u32, place: vec2f, direction: vec3f, cone
     let cross_world = cross(e1, e2);
     var area2 = max(length(cross_world), 1e-20);
     var ng = cross_world / area2;
-    if ((flags & FLAG_MIRRORED) != 0u) { ng = -ng; }
-    let outward = direction_to_world(instance, round.normal);
+    if ((values.flags & FLAG_MIRRORED) != 0u) { ng = -ng; }
+    let outward = direction_to_world(values, round.normal);
     if (is_round) {
         s.position += outward * radius;
-        ng = normalize(normal_to_world(instance, round.normal));
+        ng = normalize(normal_to_world(values, round.normal));
         area2 = dot(outward, outward); // patterns know their scale by it
     }
-    let base = instance_vertex_base(instance);
     var weights = vec3f(1.0 - bary.x - bary.y, bary.x, bary.y);
     var normals: array<vec3f, 3>;
-    for (var k = 0u; k < 3u; k++) {
-        normals[k] = unpack_unit(vertex_normal(base + c.index[k]));
-    }
+    for (var k = 0u; k < 3u; k++) { normals[k] = unpack_unit(c.vertex[k].normal); }
     var n_object = normals[0] * weights.x + normals[1] * weights.y + normals[2] * weights.z;
     let is_plane = is_round && has_capsule_normals(instance);
     if (is_plane) {
-        let plane = touching_plane(instance, c.p[1] - c.p[0], round.normal, n_object, direction);
+        let plane = touching_plane(values, c.p[1] - c.p[0], round.normal, n_object, direction);
         s.position -= direction * plane.back_m;
         ng = plane.normal;
     } else if (is_round) {
@@ -242,22 +242,22 @@ fn surface_at(instance: u32, triangle: u32, place: vec2f, direction: vec3f, cone
     if (!HAS_LAYERS && !behind && bends && !is_round) {
         s.lift_m = max(smooth_lift(c.p, normals, weights, n_object, area2), LEAST_LIFT_M);
     }
-    var n = normal_to_world(instance, n_object);
+    var n = normal_to_world(values, n_object);
     n = select(ng, normalize(n), dot(n, n) > 1e-20);
     let plain_normal = n;
     if (HAS_PATTERNED) {
-        var at = patterned_point(instance, c.index, bary, footprint);
+        var at = patterned_point(instance, c, bary, footprint);
         if (is_round) {
             at = PatternedPoint(at.position + round.normal * radius, round.normal, footprint.width_share, instance);
         }
         s = with_patterned(s, m, at);
         if (HAS_BUMPS) {
-            let relief = normal_to_world(instance, bumped(m, n_object, at));
+            let relief = normal_to_world(values, bumped(m, n_object, at));
             n = select(n, normalize(relief), dot(relief, relief) > 1e-20);
         }
     }
 
-    if ((flags & FLAG_COLORS) != 0u) { s.base_color *= vertex_color(instance, c.index, bary).xyz; }
+    if ((values.flags & FLAG_COLORS) != 0u) { s.base_color *= vertex_color(c, bary).xyz; }
     if (HAS_CHECKERS && material_checker_size_m(m) > 0.0) {
         let size = material_checker_size_m(m);
         let p_object = c.p[0] * weights.x + c.p[1] * weights.y + c.p[2] * weights.z + round.normal * select(0.0, radius, is_round);
@@ -270,25 +270,26 @@ fn surface_at(instance: u32, triangle: u32, place: vec2f, direction: vec3f, cone
     }
     var coat_normal = n;
     if (HAS_TEXTURES) {
-        s.base_color *= texel_at(material_texture(m, BASE_COLOR_SLOT), pools_of(BASE_COLOR_SLOT), instance, c.index, bary, footprint).xyz;
-        let metallic_roughness = texel_at(material_texture(m, METALLIC_ROUGHNESS_SLOT), pools_of(METALLIC_ROUGHNESS_SLOT), instance, c.index, bary, footprint);
+        s.base_color *= texel_at(material_texture(m, BASE_COLOR_SLOT), pools_of(BASE_COLOR_SLOT), c, bary, footprint).xyz;
+        let metallic_roughness = texel_at(material_texture(m, METALLIC_ROUGHNESS_SLOT), pools_of(METALLIC_ROUGHNESS_SLOT), c, bary, footprint);
         s.roughness *= metallic_roughness.y;
         s.metallic *= metallic_roughness.z;
-        if (HAS_NORMAL_MAPS && material_texture(m, NORMAL_SLOT).layer != NONE) {
-            let texel = texel_at(material_texture(m, NORMAL_SLOT), pools_of(NORMAL_SLOT), instance, c.index, bary, footprint);
-            let scale = material_normal_scale(m) * material_texture(m, NORMAL_SLOT).signs;
-            n = perturbed(instance, c.index, weights, n, texel.xyz, scale);
+        let normal_map = material_texture(m, NORMAL_SLOT);
+        if (HAS_NORMAL_MAPS && normal_map.layer != NONE) {
+            let texel = texel_at(normal_map, pools_of(NORMAL_SLOT), c, bary, footprint);
+            let scale = material_normal_scale(m) * normal_map.signs;
+            n = perturbed(c, weights, n, texel.xyz, scale);
             s.roughness = roughened(s.roughness, texel.w, scale.x);
         }
         if (HAS_COAT_NORMALS && LAYER_POOLS != 0u && material_layer_texture(m, CLEARCOAT_NORMAL_SLOT).layer != NONE) {
-            let texel = layer_texel(CLEARCOAT_NORMAL_SLOT, instance, c.index, bary, footprint);
+            let texel = layer_texel(CLEARCOAT_NORMAL_SLOT, c, bary, footprint);
             let scale = material_layer_texture(m, CLEARCOAT_NORMAL_SLOT).signs;
-            coat_normal = perturbed(instance, c.index, weights, coat_normal, texel.xyz, scale);
+            coat_normal = perturbed(c, weights, coat_normal, texel.xyz, scale);
             s.clearcoat_roughness = roughened(s.clearcoat_roughness, texel.w, scale.x);
         }
-        let occlusion = texel_at(material_texture(m, OCCLUSION_SLOT), pools_of(OCCLUSION_SLOT), instance, c.index, bary, footprint).x;
+        let occlusion = texel_at(material_texture(m, OCCLUSION_SLOT), pools_of(OCCLUSION_SLOT), c, bary, footprint).x;
         s.occlusion = 1.0 + material_occlusion_strength(m) * (occlusion - 1.0);
-        s.emission *= texel_at(material_texture(m, EMISSION_SLOT), pools_of(EMISSION_SLOT), instance, c.index, bary, footprint).xyz;
+        s.emission *= texel_at(material_texture(m, EMISSION_SLOT), pools_of(EMISSION_SLOT), c, bary, footprint).xyz;
     }
     if (HAS_DECALS) {
         s.normal = n;
@@ -307,21 +308,21 @@ fn surface_at(instance: u32, triangle: u32, place: vec2f, direction: vec3f, cone
         coat_normal = -coat_normal;
     }
     if (HAS_LAYERS) {
-        s.transmission *= layer_texel(TRANSMISSION_SLOT, instance, c.index, bary, footprint).x;
-        s.clearcoat *= layer_texel(CLEARCOAT_SLOT, instance, c.index, bary, footprint).x;
-        s.clearcoat_roughness *= layer_texel(CLEARCOAT_ROUGHNESS_SLOT, instance, c.index, bary, footprint).y;
+        s.transmission *= layer_texel(TRANSMISSION_SLOT, c, bary, footprint).x;
+        s.clearcoat *= layer_texel(CLEARCOAT_SLOT, c, bary, footprint).x;
+        s.clearcoat_roughness *= layer_texel(CLEARCOAT_ROUGHNESS_SLOT, c, bary, footprint).y;
         s.ior = material_ior(m);
         s.dispersion = material_dispersion(m);
         s.material = m;
         s.is_solid = material_is_solid(m) != 0u;
         s.is_inside = behind && s.is_solid;
         s.alpha = 1.0;
-        if (material_is_blended(m) != 0u) { s.alpha = material_alpha(m, instance, c.index, bary, footprint); }
+        if (material_is_blended(m) != 0u) { s.alpha = material_alpha(m, instance, c, bary, footprint); }
     }
-    s = with_textured_details(s, instance, c.index, bary, footprint);
-    if (HAS_ANISOTROPY) { s = with_grooves(s, instance, c.index, weights, bary, footprint, n); }
+    s = with_textured_details(s, c, bary, footprint);
+    if (HAS_ANISOTROPY) { s = with_grooves(s, c, weights, bary, footprint, n); }
     s.normal = facing(n, ng);
-    s = with_film(s, instance, c.index, bary, footprint, dot(s.normal, direction));
+    s = with_film(s, c, bary, footprint, dot(s.normal, direction));
     if (HAS_COAT_NORMALS) { s.coat_normal = facing(coat_normal, ng); }
     s.geometric_normal = ng;
     return as_boundary(s);
@@ -335,12 +336,12 @@ fn facing(normal: vec3f, geometric_normal: vec3f) -> vec3f {
 }
 
 // Texel of a material's texture at a point; 1 where it has none. `pools` must be a constant.
-fn texel_at(used: TextureUse, pools: u32, instance: u32, index: array<u32, 3>, bary: vec2f, footprint: Footprint) -> vec4f {
+fn texel_at(used: TextureUse, pools: u32, c: Corner, bary: vec2f, footprint: Footprint) -> vec4f {
     if (pools == 0u || used.layer == NONE) { return vec4f(1.0); }
     let second = (used.bits & TEXTURE_UV1) != 0u;
     var uv: array<vec2f, 3>;
     for (var k = 0u; k < 3u; k++) {
-        let raw = vec3f(uv_corner(instance, index[k], second), 1.0);
+        let raw = vec3f(uv_corner(c, k, second), 1.0);
         uv[k] = vec2f(dot(used.row_u, raw), dot(used.row_v, raw));
     }
     let per_bary = mat2x2f(uv[1] - uv[0], uv[2] - uv[0]);
@@ -348,19 +349,19 @@ fn texel_at(used: TextureUse, pools: u32, instance: u32, index: array<u32, 3>, b
 }
 
 // Applies the textures of specular strength, specular color, diffuse transmission and sheen.
-fn with_textured_details(s0: Surface, instance: u32, index: array<u32, 3>, bary: vec2f, footprint: Footprint) -> Surface {
+fn with_textured_details(s0: Surface, c: Corner, bary: vec2f, footprint: Footprint) -> Surface {
     var s = s0;
     if (HAS_TINTS && LAYER_POOLS != 0u) {
-        s.specular *= layer_texel(SPECULAR_SLOT, instance, index, bary, footprint).w;
-        s.specular_color *= layer_texel(SPECULAR_COLOR_SLOT, instance, index, bary, footprint).xyz;
+        s.specular *= layer_texel(SPECULAR_SLOT, c, bary, footprint).w;
+        s.specular_color *= layer_texel(SPECULAR_COLOR_SLOT, c, bary, footprint).xyz;
     }
     if (HAS_DIFFUSE_TRANSMISSION && LAYER_POOLS != 0u) {
-        s.diffuse_transmission *= layer_texel(DIFFUSE_TRANSMISSION_SLOT, instance, index, bary, footprint).w;
-        s.diffuse_transmission_color *= layer_texel(DIFFUSE_TRANSMISSION_COLOR_SLOT, instance, index, bary, footprint).xyz;
+        s.diffuse_transmission *= layer_texel(DIFFUSE_TRANSMISSION_SLOT, c, bary, footprint).w;
+        s.diffuse_transmission_color *= layer_texel(DIFFUSE_TRANSMISSION_COLOR_SLOT, c, bary, footprint).xyz;
     }
     if (HAS_SHEEN && LAYER_POOLS != 0u) {
-        s.sheen_color *= layer_texel(SHEEN_COLOR_SLOT, instance, index, bary, footprint).xyz;
-        s.sheen_roughness *= layer_texel(SHEEN_ROUGHNESS_SLOT, instance, index, bary, footprint).w;
+        s.sheen_color *= layer_texel(SHEEN_COLOR_SLOT, c, bary, footprint).xyz;
+        s.sheen_roughness *= layer_texel(SHEEN_ROUGHNESS_SLOT, c, bary, footprint).w;
     }
     return s;
 }
@@ -370,21 +371,21 @@ const LEAST_SPREAD_ROUGHNESS: f32 = 0.045;
 
 // Grain of KHR_materials_anisotropy; none where the mesh has no texture coordinates to give a direction. `n` is the
 // shading normal.
-fn with_grooves(s0: Surface, instance: u32, index: array<u32, 3>, weights: vec3f, bary: vec2f, footprint: Footprint, n: vec3f) -> Surface {
+fn with_grooves(s0: Surface, c: Corner, weights: vec3f, bary: vec2f, footprint: Footprint, n: vec3f) -> Surface {
     var s = s0;
-    let m = instance_material(instance);
+    let m = c.values.material;
     var strength = s.anisotropy;
     s.anisotropy = 0.0;
     if (strength <= 0.0) { return s; }
     var along = vec2f(1.0, 0.0);
     if (LAYER_POOLS != 0u && material_layer_texture(m, ANISOTROPY_SLOT).layer != NONE) {
-        let texel = layer_texel(ANISOTROPY_SLOT, instance, index, bary, footprint);
+        let texel = layer_texel(ANISOTROPY_SLOT, c, bary, footprint);
         along = (texel.xy * 2.0 - 1.0) * material_layer_texture(m, ANISOTROPY_SLOT).signs;
         strength *= texel.z;
     }
     let turn = material_anisotropy_turn(m);
     along = vec2f(along.x * turn.x - along.y * turn.y, along.x * turn.y + along.y * turn.x);
-    let axes = tangents(instance, index, weights, n);
+    let axes = tangents(c, weights, n);
     let tangent = axes[0] * along.x + axes[1] * along.y;
     if (strength <= 0.0 || dot(tangent, tangent) < 1e-12) { return s; }
     s.tangent = normalize(tangent);
@@ -394,16 +395,15 @@ fn with_grooves(s0: Surface, instance: u32, index: array<u32, 3>, weights: vec3f
 }
 
 // Texel of `Material.layer_textures` at a point; 1 where the material has none.
-fn layer_texel(slot: u32, instance: u32, index: array<u32, 3>, bary: vec2f, footprint: Footprint) -> vec4f {
+fn layer_texel(slot: u32, c: Corner, bary: vec2f, footprint: Footprint) -> vec4f {
     if (LAYER_POOLS == 0u) { return vec4f(1.0); }
-    let used = material_layer_texture(instance_material(instance), slot);
-    return texel_at(used, LAYER_POOLS, instance, index, bary, footprint);
+    return texel_at(material_layer_texture(c.values.material, slot), LAYER_POOLS, c, bary, footprint);
 }
 
 // Tangent-space normal map with MikkTSpace tangents (glTF 2.0, 3.9.3). `scale` is negative where u or v of the map
 // runs against the tangents.
-fn perturbed(instance: u32, index: array<u32, 3>, weights: vec3f, n: vec3f, texel: vec3f, scale: vec2f) -> vec3f {
-    let axes = tangents(instance, index, weights, n);
+fn perturbed(c: Corner, weights: vec3f, n: vec3f, texel: vec3f, scale: vec2f) -> vec3f {
+    let axes = tangents(c, weights, n);
     let v = (texel * 2.0 - 1.0) * vec3f(scale, 1.0);
     let mapped = axes[0] * v.x + axes[1] * v.y + n * v.z;
     return select(n, normalize(mapped), dot(mapped, mapped) > 1e-12 && any(axes[0] != vec3f(0.0)));
@@ -420,16 +420,13 @@ fn roughened(roughness: f32, alpha: f32, scale: f32) -> f32 {
 }
 
 // Tangent and bitangent; zeros where the mesh has none.
-fn tangents(instance: u32, index: array<u32, 3>, weights: vec3f, n: vec3f) -> mat2x3f {
-    let base = instance_vertex_base(instance);
+fn tangents(c: Corner, weights: vec3f, n: vec3f) -> mat2x3f {
     var t_object = vec3f(0.0);
-    for (var k = 0u; k < 3u; k++) {
-        t_object += unpack_unit(vertex_tangent(base + index[k]) & 0xfffffffeu) * weights[k];
-    }
-    let sign = select(-1.0, 1.0, (vertex_tangent(base + index[0]) & 1u) != 0u);
-    let t = direction_to_world(instance, t_object);
+    for (var k = 0u; k < 3u; k++) { t_object += unpack_unit(c.vertex[k].tangent & 0xfffffffeu) * weights[k]; }
+    let sign = select(-1.0, 1.0, (c.vertex[0].tangent & 1u) != 0u);
+    let t = direction_to_world(c.values, t_object);
     if (dot(t, t) < 1e-20) { return mat2x3f(); }
-    let mirrored = select(1.0, -1.0, (instance_flags(instance) & FLAG_MIRRORED) != 0u);
+    let mirrored = select(1.0, -1.0, (c.values.flags & FLAG_MIRRORED) != 0u);
     let tangent = normalize(t);
     return mat2x3f(tangent, cross(n, tangent) * sign * mirrored);
 }

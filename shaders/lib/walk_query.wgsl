@@ -28,9 +28,10 @@ fn test_candidate(candidate: RayIntersection, world_ray: TraversalRay, t_min: f3
         test_triangle(candidate.primitive_index, world_ray, t_min, NO_INSTANCE, 0u, shadow, best);
     } else {
         let inside = candidate.instance_custom_data;
-        let flags = instance_trace_flags(inside);
-        let index = instance_tree_root(inside) + candidate.primitive_index;
-        let ray = object_ray(inside, world_ray.origin, world_ray.direction);
+        let values = instance_values(inside);
+        let flags = values.trace_flags;
+        let index = values.tree_root + candidate.primitive_index;
+        let ray = object_ray(values, world_ray.origin, world_ray.direction);
         if (HAS_CAPSULES && (flags & CAPSULES) != 0u) {
             test_capsule(index, ray, t_min, inside, flags, shadow, best);
         } else {

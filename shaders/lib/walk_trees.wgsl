@@ -171,9 +171,10 @@ fn traverse(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, shadow: boo
         if (!HAS_TOP_LEVEL || (shadow && is_blocked(best))) { break; }
         inside = next_instance(&top, world_ray, t_min, best.t);
         if (inside == NO_INSTANCE) { break; }
-        inside_flags = instance_trace_flags(inside);
-        root = instance_tree_root(inside);
-        ray = object_ray(inside, origin, direction);
+        let values = instance_values(inside);
+        inside_flags = values.trace_flags;
+        root = values.tree_root;
+        ray = object_ray(values, origin, direction);
         // Camera rays keep the nearest triangle that they pass and reflections meet.
         let is_ignored = !OF_CAMERA && is_passed(inside_flags, passed_flags(shadow));
         in_tree = !is_ignored && !(STATIC_ONLY && (inside_flags & MOVES) != 0u);

@@ -73,7 +73,7 @@ fn look_up(pixel: vec2u) {
     let width_m = pixel_width(distance(s.position, frame.eye));
     let to = aim(s, ray);
     var choosing = s.position;
-    if (PROBES_BY_INSTANCE) { choosing = to_world(textureLoad(ids, pixel, 0).x, vec3f(0.0)); }
+    if (PROBES_BY_INSTANCE) { choosing = to_world(instance_values(textureLoad(ids, pixel, 0).x), vec3f(0.0)); }
     let chosen = chosen_probes(choosing, params.count, params.nearest);
     var light = vec3f(0.0);
     var found = vec4u(0u, NONE, NONE, 0u);

@@ -24,11 +24,9 @@ fn fragment_capsule_peeled(in: CapsuleVarying) -> CapsuleFragment {
     let direction = pixel_ray(in.clip.xy);
     let c = corners(in.ids.x, in.ids.y);
     let axis = c.p[1] - c.p[0];
-    let radius = instance_capsule_radius_m(in.ids.x);
-    let rows = instance_object_from_world(in.ids.x);
-    let offset = origin - vec3f(rows[0].w, rows[1].w, rows[2].w);
-    let o = vec3f(dot(rows[0].xyz, offset), dot(rows[1].xyz, offset), dot(rows[2].xyz, offset)) - c.p[0];
-    let d = vec3f(dot(rows[0].xyz, direction), dot(rows[1].xyz, direction), dot(rows[2].xyz, direction));
+    let radius = c.values.capsule_radius_m;
+    let o = to_object(c.values.object_from_world, origin) - c.p[0];
+    let d = direction_to_object(c.values.object_from_world, direction);
     let span = capsule_span(o, d, axis, radius);
     if (!span.is_met) { discard; }
     for (var side = 0u; side < 2u; side++) {

@@ -118,15 +118,7 @@ impl Chunks {
             let vertices = array("vertices", "Vertex", 3, (self.vertices, 32));
             let mesh_data = array("mesh_data", "u32", 4, (self.mesh_data, 4));
             functions.push(("mesh_word", mesh_data, "", "u32"));
-            for (function, member, of) in [
-                ("vertex_position", ".position", "vec3f"),
-                ("vertex_normal", ".normal", "u32"),
-                ("vertex_uv", ".uv", "vec2f"),
-                ("vertex_tangent", ".tangent", "u32"),
-                ("vertex_shade", ".color", "u32"),
-            ] {
-                functions.push((function, vertices.clone(), member, of));
-            }
+            functions.push(("vertex_at", vertices, "", "Vertex"));
         }
         for (function, array, member, of) in &functions {
             write_function(&mut text, function, array, member, of);

@@ -167,7 +167,8 @@ fn define_variants(out: &mut String) {
 /// Both leave out alpha and relief.
 pub fn patterned() -> String {
     let mut out = "fn with_value(s0: Surface, which: u32, value: vec3f) -> Surface {\n    var s = s0;\n    switch which {\n".to_owned();
-    let mut plain = "fn plain_surface(m: u32) -> Surface {\n    var s: Surface;\n".to_owned();
+    let mut plain =
+        "fn plain_surface(values: MaterialValues) -> Surface {\n    var s: Surface;\n".to_owned();
     for of in PatternedKey::ALL {
         let key = of.key();
         let is_color = find(&MATERIAL, key).is_some_and(|field| field.form == Form::Color);
@@ -179,7 +180,7 @@ pub fn patterned() -> String {
         if !matches!(of, PatternedKey::Alpha | PatternedKey::Bump) {
             // Writing to a string cannot fail.
             let _ = writeln!(out, "        case {}u: {{ s.{key} = {value}; }}", of as u32);
-            let _ = writeln!(plain, "    s.{key} = material_{key}(m){lanes};");
+            let _ = writeln!(plain, "    s.{key} = values.{key}{lanes};");
         }
     }
     out + "        default: {}\n    }\n    return s;\n}\n" + plain.as_str() + "    return s;\n}\n"

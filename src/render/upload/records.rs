@@ -1,7 +1,7 @@
 //! Instances and materials on the GPU: in a buffer, and for shaders in a texture as well where drivers read textures
 //! faster; and the functions by which shaders read their fields.
 
-use std::fmt::Write as _;
+use std::{collections::BTreeSet, fmt::Write as _};
 
 use bytemuck::{Pod, cast_slice};
 
@@ -85,7 +85,8 @@ pub fn are_texels_preferred(gpu: &Gpu, instances: usize, materials: usize) -> bo
 }
 
 /// Shader text with the bindings of both arrays and, for each field, a function of the element's index; an array's has
-/// a second parameter, the slot.
+/// a second parameter, the slot. `instance_values` and `material_values` return all fields but arrays, and read each
+/// texel once.
 pub fn wgsl(in_texels: bool) -> String {
     let mut text = String::new();
     if in_texels {
@@ -129,16 +130,46 @@ pub fn wgsl(in_texels: bool) -> String {
                 let _ = writeln!(text, "    return {array}[i].{}{at_slot};\n}}", field.name);
             }
         }
+        text += &values(spec, array, in_texels);
     }
     text
 }
 
+/// Struct of all fields but arrays, and the function that returns them for an element's index.
+fn values(spec: &StructSpec, array: &str, in_texels: bool) -> String {
+    let (name, element, size) = (spec.name, array.trim_end_matches('s'), spec.size / TEXEL);
+    let mut declared = String::new();
+    let (mut read, mut values) = (BTreeSet::new(), Vec::new());
+    for field in spec.fields.iter().filter(|field| field.listed.is_none()) {
+        let ty = (field.wgsl)();
+        // Writing to a string cannot fail.
+        let _ = writeln!(declared, "    {}: {ty},", field.name);
+        if in_texels {
+            read.extend(field.offset / TEXEL..(field.offset + field.size).div_ceil(TEXEL));
+            values.push(part(field.offset, &ty, |k| format!("t{k}")));
+        } else {
+            values.push(format!("{array}[i].{}", field.name));
+        }
+    }
+    let read = read.iter();
+    let read = read.map(|k| format!("    let t{k} = vector_at({array}, {size}u * i + {k}u);\n"));
+    let (read, values) = (read.collect::<String>(), values.join(", "));
+    format!(
+        "struct {name}Values {{\n{declared}}}\n\
+         fn {element}_values(i: u32) -> {name}Values {{\n{read}    return {name}Values({values});\n}}\n"
+    )
+}
+
 /// Expression for a value at `offset` bytes past the texel of an array that the expression `texel` numbers.
 fn value(array: &str, texel: &str, offset: usize, ty: &str) -> String {
-    let load = |at: usize| {
-        let texel = format!("{texel} + {}u", offset / TEXEL + at);
-        format!("vector_at({array}, {texel})")
-    };
+    part(offset, ty, |k| {
+        format!("vector_at({array}, {texel} + {k}u)")
+    })
+}
+
+/// Expression for a value at `offset` bytes in an element, of whose texels `texel` has the expressions.
+fn part(offset: usize, ty: &str, texel: impl Fn(usize) -> String) -> String {
+    let load = |at: usize| texel(offset / TEXEL + at);
     let first = (offset % TEXEL) / 4;
     let part = |count: usize| &"xyzw"[first..first + count];
     match ty {
@@ -182,6 +213,7 @@ mod tests {
                 "@group(1) @binding(2) var<storage, read> instances: array<Instance>;",
                 "fn instance_material(i: u32) -> u32 {\n    return instances[i].material;",
                 "fn material_texture(i: u32, slot: u32) -> TextureUse {\n    return materials[i].textures[slot];",
+                "    return InstanceValues(instances[i].world_from_object, ",
             ],
         );
         lines(
@@ -189,6 +221,7 @@ mod tests {
             &[
                 "@group(1) @binding(5) var materials: VectorTexels;",
                 "return vector_at(instances, 8u * i + 7u).y;",
+                "t7 = vector_at(instances, 8u * i + 7u);\n    return InstanceValues(mat3x4f(bitcast<vec4f>(t0), ",
                 "return bitcast<vec3f>(vector_at(materials, 87u * i + 1u).xyz);",
                 "return TextureUse(bitcast<vec3f>(vector_at(materials, 87u * i + 3u * slot + 13u).xyz), ",
             ],

@@ -1,11 +1,11 @@
-struct Instance {
+struct InstanceValues {
     object_from_world: mat3x4f,
     tree_root: u32,
     trace_flags: u32,
 }
 @group(1) @binding(0) var<storage, read> nodes: array<vec4u>;
 @group(1) @binding(1) var<storage, read> triangles: array<vec4u>;
-@group(1) @binding(2) var<storage, read> instances: array<Instance>;
+@group(1) @binding(2) var<storage, read> instances: array<InstanceValues>;
 
 fn node_words(i: u32) -> vec4u {
     return nodes[i];
@@ -13,14 +13,8 @@ fn node_words(i: u32) -> vec4u {
 fn triangle_words(i: u32) -> vec4u {
     return triangles[i];
 }
-fn instance_object_from_world(i: u32) -> mat3x4f {
-    return instances[i].object_from_world;
-}
-fn instance_tree_root(i: u32) -> u32 {
-    return instances[i].tree_root;
-}
-fn instance_trace_flags(i: u32) -> u32 {
-    return instances[i].trace_flags;
+fn instance_values(i: u32) -> InstanceValues {
+    return instances[i];
 }
 
 struct Query { origin: vec3f, t_min: f32, direction: vec3f, t_max: f32 }
