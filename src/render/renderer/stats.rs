@@ -293,13 +293,13 @@ impl FrameStats {
     pub fn rays_per_s(&self) -> Option<f64> {
         let ms_of = |pass: &str| {
             let mut times = self.passes_ms.iter();
-            times.find(|(name, _)| name == pass)
+            times.find_map(|(name, ms)| (name == pass).then_some(*ms))
         };
         if self.method.marches() || ms_of(trace::LEADERS.name).is_some() {
             return None;
         }
-        let (_, ms) = ms_of(trace::PASS.name)?;
-        (*ms > 0.0 && self.rays > 0)
+        let ms = ms_of(trace::PASS.name)?;
+        (ms > 0.0 && self.rays > 0)
             .then(|| f64::from(self.rays) * f64::from(self.samples) / (ms * 1e-3))
     }
 }
