@@ -4,6 +4,8 @@ use reflet::world::emitters::MAX_EMITTERS;
 
 use crate::kit::*;
 
+const EMISSIVE: &str = "KHR_materials_emissive_strength";
+
 /// The three words of a line.
 fn words(line: &str) -> [&str; 3] {
     let words: Vec<_> = line.split(' ').collect();
@@ -126,4 +128,24 @@ fn mesh_lights_of_a_file_light_up_to_their_number() {
     doc.json["materials"][0]["extras"] = json!({"mesh_light": {}});
     doc.json["materials"][0]["emissiveFactor"] = json!([0, 0, 0]);
     assert_eq!(lights(&doc), (false, vec![]));
+}
+
+/// Lamps of exporters, which have no other sign than their emission, light what is around; the scene's word decides.
+#[test]
+fn emission_brighter_than_white_lights() {
+    let mut doc = stone();
+    let material = &mut doc.json["materials"][0];
+    material["emissiveFactor"] = json!([0, 0.5, 0.25]);
+    for (strength, lights) in [(2.0, false), (2.01, true)] {
+        let material = &mut doc.json["materials"][0];
+        material["extensions"] = json!({EMISSIVE: {"emissiveStrength": strength}});
+        assert_eq!(doc.world().materials[0].light, lights, "{strength}");
+    }
+    let folder = Folder::new();
+    folder.write("m.glb", doc.glb());
+    let text =
+        "version = 1\n[model.m]\nfile = \"m.glb\"\n[model.m.material.stone]\nlight = false\n";
+    let scene = Scene::from_text(text, &folder.0.join("scene.toml"), &[]);
+    let world = load(&scene.expect("it is right").0, &LoadOptions::default());
+    assert!(!world.expect("it loads").materials[0].light);
 }

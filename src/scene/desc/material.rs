@@ -87,7 +87,7 @@ material! {
         emission_texture: At<String> [ANY] in TEXTURES;
         /// Whether the surface's emission lights other surfaces, with shadows; else only reflections show it. For
         /// glowing walls or neon tubes. A scene has at most 1,048,576 such triangles, which are sampled; small or few
-        /// ones need fewer `samples`. Default false.
+        /// ones need fewer `samples`. Default true for a glTF material whose own emission is above 1, else false.
         light: bool [ANY];
         /// Light group of the emission, and of all of an `unlit` surface, 1 to 31 letters, digits, `-` and `_`. Default
         /// "other".

@@ -85,7 +85,8 @@ fn choose_uv_sets(material: &mut Material, place: &str, notes: &mut Notes) -> [u
     sets
 }
 
-/// Key in a material's extras with an object that marks a mesh light, whose emission lights the scene.
+/// Key in a material's extras with an object that marks a mesh light, whose emission lights the scene. Emission brighter
+/// than white does too.
 const MESH_LIGHT: &str = "mesh_light";
 
 fn convert(
@@ -117,7 +118,8 @@ fn convert(
     }
     layers::note_shared_tangents(&out, place, notes);
     out.alpha_cutoff = alpha(material, &mut numbers)?;
-    out.is_mesh_light = (material.extras.get(MESH_LIGHT)).is_some_and(serde_json::Value::is_object);
+    let is_marked = (material.extras.get(MESH_LIGHT)).is_some_and(serde_json::Value::is_object);
+    out.is_mesh_light = is_marked || out.emission.max_element() > 1.0;
     out.light = out.is_mesh_light;
     out.blended = material.alpha_mode.as_deref() == Some("BLEND");
     layers::note_idle_scattering(&out, place, notes);
