@@ -28,7 +28,7 @@ fn lobe_reflectance(s: Surface, view: vec3f) -> vec3f {
     if (!CONSERVES_ENERGY && is_exact(s)) { return exact_fresnel(s, saturate(dot(s.normal, view))) * lobe.x; }
     // The facet at which Schlick's power has its mean over the lobe stands for all facets.
     let dip = edge_dip(s, 1.0 - pow(lobe.y / max(lobe.x, 1e-3), 0.2)) * lobe.x;
-    let rough = (split_sum(f0(s), grazing_reflectance(s), lobe) - dip) * compensation(s, lobe);
+    let rough = max(split_sum(f0(s), grazing_reflectance(s), lobe) - dip, vec3f(0.0)) * compensation(s, lobe);
     if (!is_exact(s)) { return rough; }
     let cosine = dot(s.normal, view);
     let exact = exact_fresnel(s, cosine) / max(schlick_fresnel(s, cosine), vec3f(1e-6));

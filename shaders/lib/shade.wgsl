@@ -65,12 +65,14 @@ const EDGE_SCHLICK: f32 = 0.46266436;
 const EDGE_PEAK: f32 = 0.05665278;
 
 // Reflectance that a metal lacks of Schlick's, by its tint at 82° (F82 of OpenPBR 1.1, section "Metal"; Kutz, Hašan &
-// Edmondson 2021, "Novel aspects of the Adobe Standard Material", 2.3).
+// Edmondson 2021, "Novel aspects of the Adobe Standard Material", 2.3). A dark metal with a dark tint has no more to lack.
 fn edge_dip(s: Surface, cosine: f32) -> vec3f {
     if (!HAS_EDGE_TINTS || !s.has_edge_tint) { return vec3f(0.0); }
-    let schlick = mix(s.base_color, vec3f(f90(s.base_color)), EDGE_SCHLICK);
+    let grazing = vec3f(f90(s.base_color));
     let c = saturate(cosine);
-    return schlick * (1.0 - dielectric_f90(s)) * (s.metallic * c * (1.0 - c) * schlick_weight(c) / EDGE_PEAK);
+    let weight = schlick_weight(c);
+    let dip = mix(s.base_color, grazing, EDGE_SCHLICK) * (1.0 - dielectric_f90(s)) * (c * (1.0 - c) * weight / EDGE_PEAK);
+    return s.metallic * min(dip, mix(s.base_color, grazing, weight));
 }
 
 // Reflectance of the dielectric part at normal and grazing incidence, by its strongest channel, so that the light
@@ -89,7 +91,7 @@ fn fresnel(s: Surface, cosine: f32) -> vec3f {
 
 // Schlick's reflectance, with the dip of metals.
 fn schlick_fresnel(s: Surface, cosine: f32) -> vec3f {
-    return mix(f0(s), grazing_reflectance(s), schlick_weight(cosine)) - edge_dip(s, cosine);
+    return max(mix(f0(s), grazing_reflectance(s), schlick_weight(cosine)) - edge_dip(s, cosine), vec3f(0.0));
 }
 
 // Roughness below which a surface's reflection is traced; higher for metals, which show nothing else.

@@ -74,6 +74,26 @@ fn mirrors_at_60_degrees_follow_fresnel() {
     }
 }
 
+/// F82 is below zero for dark metals with a dark tint, where they reflect nothing.
+#[test]
+fn dark_edges_of_dark_metals_reflect_no_less_than_nothing() {
+    let Some(gpu) = gpu() else { return };
+    let dark = "metallic = 1\nedge_tint = true\nbase_color = [0.05, 0.1, 0.3]\nspecular_color = [0, 0.2, 0.1]";
+    for more in ["", "ior = 1.5", "reflection = \"none\"\nior = 1.5"] {
+        let ball = thing(BALL, &format!("{dark}\n{more}"));
+        let text = wall_and(&ball.replace("roughness = 0", "roughness = 0.3"));
+        let white = [
+            "environment.color=[1, 1, 1]",
+            "camera.main.fov_deg=60",
+            "image.size=[32, 32]",
+            "reflection.filter=false",
+        ];
+        let picture = render(gpu, &text, &white, &[]);
+        let range = 0.0..1.001;
+        assert!(picture.color.iter().all(|v| range.contains(v)), "{more}");
+    }
+}
+
 #[test]
 fn a_slab_absorbs_along_the_way_and_reflects_inside() {
     let Some(gpu) = gpu() else { return };

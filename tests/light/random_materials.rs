@@ -56,6 +56,7 @@ fn material(random: &mut Random) -> String {
     }
     let _ = writeln!(text, "ior = {}", random.between(1.0, 4.0));
     let _ = writeln!(text, "thickness_m = {}", random.between(0.0, 2.0));
+    let _ = writeln!(text, "edge_tint = {}", random.unit() < 0.5);
     if random.unit() < 0.3 {
         let [red, green, blue] = random.color(1e5);
         let _ = writeln!(text, "emission = [{}, {green}, {blue}]", red.max(1e-6));
