@@ -89,6 +89,12 @@ fn specular_sheen_and_the_textures_of_layers_are_read() {
     assert_eq!(m.single_scattering_albedo().z, 1.0);
     assert!((m.extinction().z / (0.5 * 2.0_f32.ln()) - 0.75).abs() < 1e-5);
     assert!((m.anisotropy_rotation_deg - 0.5_f32.to_degrees()).abs() < 1e-4);
+    // An extension that stands within a foreign extension is ignored.
+    let layers = &mut doc.json["materials"][0]["extensions"];
+    let edges = layers["KHR_materials_specular"]["extensions"].take();
+    layers["KHR_materials_clearcoat"]["extensions"] = edges;
+    let m = &doc.world().materials[0];
+    assert_eq!((m.edge_tint, m.clearcoat_ior), (false, None));
     // Textures of layers with a factor of 0 are not loaded.
     doc.json["materials"][0]["extensions"] = json!({
         "KHR_materials_specular": {"specularFactor": 0, "specularTexture": map},

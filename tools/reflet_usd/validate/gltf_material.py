@@ -77,6 +77,11 @@ _PLACES = {
 }
 # The color reflected head on by a surface of ior 1.5, which is 0.04 times the tint.
 _PLACES["specularColor"] = _PLACES["specularTint"]
+_WITHIN = {
+    "clearcoat_ior": ("KHR_materials_clearcoat", "KHR_materials_clearcoat_ior"),
+    "specular_edge_color": ("KHR_materials_specular", "EXT_materials_specular_edge_color"),
+}
+"""Names of the extensions that stand within another: the other's and their own."""
 
 
 def is_mesh_light(material: Any) -> bool:
@@ -143,9 +148,11 @@ class OutputMaterial:
 
     def _extension(self, name: str) -> dict[str, Any]:
         own = self.fields.get("extensions", {})
-        within = [part.get("extensions", {}) for part in own.values() if isinstance(part, dict)]
-        found = {key: part for each in (own, *within) for key, part in each.items()}
-        return next((part for key, part in found.items() if key.endswith(f"_materials_{name}")), {})
+        parent, full = _WITHIN.get(name, ("", f"KHR_materials_{name}"))
+        if parent:
+            own = own.get(parent, {}).get("extensions", {})
+        found: dict[str, Any] = own.get(full, {})
+        return found
 
     def _info(self, name: str) -> dict[str, Any] | None:
         return self._part(name).get(_PLACES[name].texture) if name in _PLACES else None

@@ -16,11 +16,12 @@ use reflet_scene::{
 /// Begin of the names of extensions of materials.
 const KHR: &str = "KHR_materials_";
 
-/// Stands for the extensions of an extension, in place of its name.
-const WITHIN: &str = "extensions";
+/// Stand for the extensions of an extension, in place of its name.
+const WITHIN_COAT: &str = "clearcoat/extensions";
+const WITHIN_SPECULAR: &str = "specular/extensions";
 
-/// Extension within `KHR_materials_specular` that tints edges, without its prefix.
-const EDGE_COLOR: &str = "specular_edge_color";
+/// Extension within `KHR_materials_specular` that tints edges.
+const EDGE_COLOR: &str = "specular/edge_color";
 
 /// Whether a number is of an extension.
 fn is_in(path: &str, extension: Option<&str>) -> bool {
@@ -130,9 +131,10 @@ impl<'de> Visitor<'de> for Keys<'_> {
                 continue;
             };
             let inner = match (extension, key.as_str()) {
-                ("clearcoat" | "specular", WITHIN) => Some(WITHIN),
-                (WITHIN, "KHR_materials_clearcoat_ior") => Some("clearcoat_ior"),
-                (WITHIN, "EXT_materials_specular_edge_color") => Some(EDGE_COLOR),
+                ("clearcoat", "extensions") => Some(WITHIN_COAT),
+                ("specular", "extensions") => Some(WITHIN_SPECULAR),
+                (WITHIN_COAT, "KHR_materials_clearcoat_ior") => Some("clearcoat_ior"),
+                (WITHIN_SPECULAR, "EXT_materials_specular_edge_color") => Some(EDGE_COLOR),
                 _ => None,
             };
             if inner.is_some() {
@@ -165,7 +167,11 @@ impl<'de> DeserializeSeed<'de> for Keys<'_> {
 
     fn deserialize<D: Deserializer<'de>>(self, from: D) -> Result<(), D::Error> {
         let is_own = |(path, _): &(&str, _)| is_in(path, self.extension);
-        if matches!(self.extension, Some(WITHIN | EDGE_COLOR)) || LAYER_NUMBERS.iter().any(is_own) {
+        let is_within = matches!(
+            self.extension,
+            Some(WITHIN_COAT | WITHIN_SPECULAR | EDGE_COLOR)
+        );
+        if is_within || LAYER_NUMBERS.iter().any(is_own) {
             return from.deserialize_any(self);
         }
         IgnoredAny::deserialize(from).map(|_| ())
