@@ -191,6 +191,14 @@ def test_metals_are_tinted_at_their_edges(
     assert (lobe and lobe["extensions"]) == (tint and edges)
 
 
+@pytest.mark.parametrize(("metalness", "is_named"), [("0", False), ("0.5", True)])
+def test_a_dim_metal_of_openpbr_is_named(tmp_path: Path, metalness: str, is_named: bool) -> None:
+    dim = {"base_metalness": f"float {metalness}", "specular_weight": "float 0.5"}
+    done = convert(tmp_path, document(surface("open_pbr_surface", **dim)))
+    [said] = done.sidecar["warnings"]
+    assert ("specular_weight of metal" in said["message"]) == is_named
+
+
 OPEN_WALL = {"subsurface_weight": "float 0.6", "geometry_thin_walled": "boolean true"}
 WALL = {"subsurface": "float 0.6", "thin_walled": "boolean true", "coat": "float 1"}
 

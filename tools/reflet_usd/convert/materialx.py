@@ -170,6 +170,8 @@ def _open_pbr(surface: _Surface) -> dict[str, Source]:
         "clearcoatIor": Constant((surface.number("coat_ior", 1.6),)),
         **_normals(surface, "geometry_normal", "geometry_coat_normal"),
     }
+    if inputs["metallic"] != Constant((0.0,)) and inputs["specular"] != Constant((1.0,)):
+        surface.lost.append("specular_weight of metal")
     weight = surface.get("base_weight", (1.0,))
     base = surface.times("base_color", surface.get("base_color", _GRAY), weight)
     thin = surface.number("geometry_thin_walled", 0.0) != 0.0
