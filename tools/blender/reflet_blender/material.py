@@ -142,15 +142,28 @@ def _principled(shader: bpy.types.Node, name: str, report: Report) -> dict[str, 
         if socket in shader.inputs and shader.inputs[socket].is_linked:
             text = f"{socket} has its own value, not what is linked to it"
             report.lose("material-approximated", name, text)
-    # The tint alone colors the edges of metals; a level other than plain would count there too.
-    is_plain = _own_number(shader, "level", "Specular IOR Level", (0.5, 0.0, 1.0)) == {}
-    if _number(shader, "Metallic") > 0 and is_plain and min(_color(shader, "Specular Tint")) < 1:
-        out["edge_tint"] = True
+    out.update(_tinted_edges(shader, name, report))
     film = _number(shader, "Thin Film Thickness")
     if film > 0:
         ior = min(max(_number(shader, "Thin Film IOR"), 1.0), 4.0)
         out.update(iridescence=1, iridescence_ior=ior, iridescence_thickness_nm=film)
     return out
+
+
+def _tinted_edges(shader: bpy.types.Node, name: str, report: Report) -> dict[str, Any]:
+    """The tint of the edges of metals."""
+    metallic, tint, level = (
+        shader.inputs[key] for key in ("Metallic", "Specular Tint", "Specular IOR Level")
+    )
+    is_white = not tint.is_linked and min(tint.default_value[:3]) >= 1
+    if is_white or (not metallic.is_linked and metallic.default_value <= 0):
+        return {}
+    # The level is no part of a metal's tint in Blender, and `edge_tint` takes both.
+    is_plain = not level.is_linked and level.default_value == 0.5
+    if metallic.is_linked or metallic.default_value < 1 or tint.is_linked or not is_plain:
+        text = "Specular Tint of metals is right for Metallic 1, IOR Level 0.5 and no links alone"
+        report.lose("material-approximated", name, text)
+    return {"edge_tint": True} if is_plain and not tint.is_linked else {}
 
 
 def _subsurface(shader: bpy.types.Node, name: str, report: Report) -> dict[str, Any]:
