@@ -10,7 +10,7 @@ fn pack_details(s: Surface) -> vec4u {
     return vec4u(
         // No color is negative, so that signs are free.
         pack2x16float(min(s.specular_color.xy, vec2f(65000.0))) | (u32(s.has_film) << 31u),
-        pack2x16float(vec2f(min(s.specular_color.z, 65000.0), 0.0)) | (u32(s.has_edge_tint) << 15u) | (pack2x16unorm(vec2f(0.0, s.specular)) & 0xffff0000u),
+        pack2x16float(vec2f(clamp(s.specular_color.z, 0.0, 65000.0), 0.0)) | (u32(s.has_edge_tint) << 15u) | (pack2x16unorm(vec2f(0.0, s.specular)) & 0xffff0000u),
         pack2x16unorm(s.sheen_color.xy),
         pack2x16unorm(vec2f(s.sheen_color.z, s.sheen_roughness)),
     );

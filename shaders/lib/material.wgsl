@@ -34,7 +34,7 @@ struct Surface {
     // Set with HAS_TINTS: factors on the reflectivity; `specular` also scales the reflectance at grazing angles.
     specular: f32,
     specular_color: vec3f,
-    has_edge_tint: bool, // with HAS_EDGE_TINTS: whether both tint edges, of metals too
+    has_edge_tint: bool, // with HAS_EDGE_TINTS: whether strength and color of the lobe tint edges, of metals too
     has_film: bool, // whether interference colors the reflection, so that the rest passes with the other colors
     // Set with HAS_ANISOTROPY: direction of the grain, along which the lobe is longer, and its strength.
     tangent: vec3f,
@@ -55,7 +55,7 @@ override HAS_LAYERS: bool = true;
 
 // Whether some dielectric's specular lobe has a strength or a color of its own.
 override HAS_TINTS: bool = true;
-override HAS_EDGE_TINTS: bool = true; // whether both tint the edges of some surface
+override HAS_EDGE_TINTS: bool = true; // whether strength and color of the lobe tint the edges of some surface
 
 override HAS_SHEEN: bool = true;
 

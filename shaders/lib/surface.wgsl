@@ -24,7 +24,7 @@ struct Corner {
     index: array<u32, 3>,
 }
 
-// Instances and materials are read once, by `instance_values` and `material_values`: some drivers read again at each call.
+// Instances are read once, by `instance_values`: some drivers read again at each call.
 fn corners(instance: u32, triangle: u32) -> Corner {
     var c: Corner;
     c.values = instance_values(instance);
@@ -109,7 +109,7 @@ fn material_alpha(material: u32, instance: u32, c: Corner, bary: vec2f, footprin
     return alpha;
 }
 
-// Colors are read apart, as few meshes have them.
+// Meshes without colors leave out this texel.
 fn vertex_color(c: Corner, bary: vec2f) -> vec4f {
     let base = c.values.vertex_base;
     return unpack4x8unorm(vertex_at(base + c.index[0]).color) * (1.0 - bary.x - bary.y)

@@ -232,8 +232,12 @@ fn materials(scene: &Scene) -> Vec<Diagnostic> {
                 entry.name,
                 nothing(&idle)
             );
+            let tints = match idle.contains(&"specular_color") {
+                true => ", `edge_tint = true` for a metal with colored edges",
+                false => "",
+            };
             let help = format!(
-                "write `metallic = 0`, as for glass and plastic, or remove `{}`",
+                "write `metallic = 0`, as for glass and plastic{tints}, or remove `{}`",
                 idle.join("`, `")
             );
             found.push(Diagnostic::new("ignored-key", entry.at.clone(), message).help(help));

@@ -301,7 +301,7 @@ features! {
     edge_tints {
         used: scene.has(|m| m.edge_tint && (m.specular.is_some() || m.specular_color.is_some())),
         constant: HAS_EDGE_TINTS,
-        dropped: "tints of edges" => "no material sets `edge_tint`", if tints;
+        dropped: "tints of edges" => "no material tints its edges", if tints;
     }
     /// Whether some opaque surface has the exact reflectance of an index of refraction.
     indices {

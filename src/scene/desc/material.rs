@@ -161,12 +161,12 @@ material! {
         #[group("Reflection")]
         specular: f32, Number in UNIT, "strength of the non-metallic specular reflection" of "specular/specularFactor" varies Specular => off "1";
         /// Color of the specular reflection of the non-metallic part at normal incidence, three numbers 0 or more: a
-        /// factor on `reflectivity`; the product is at most 1; with `edge_tint` also of metals, and at grazing angles. Default
-        /// white, or the glTF value.
+        /// factor on `reflectivity`, which makes at most 1; with `edge_tint` also a color of edges. Default white, or the glTF value.
         specular_color: Vec3, Color in FROM_0, "color of the non-metallic specular reflection" of "specular/specularColorFactor" varies SpecularColor => off "[1, 1, 1]";
-        /// Whether `specular` and `specular_color` tint edges, as in OpenPBR (`EXT_materials_specular_edge_color`). The non-metallic part has
-        /// the color at grazing angles too. A metal reflects at 82° their product, at most 1, times the share of light that it reflects there
-        /// without the key (F82), and as much as ever head on, as real metals do (`docs/light.md` has colors of some). Default false, or the glTF value.
+        /// Whether `specular` times `specular_color`, at most 1, tints edges (`EXT_materials_specular_edge_color`). At an angle of 82° a metal
+        /// reflects this share of the light that it would reflect without the key, and head on all of it, as real metals do (F82 of OpenPBR; `docs/light.md` has
+        /// colors of some). The non-metallic part has the color at grazing angles too. A film (`iridescence`) tints in its place,
+        /// but for pure metals. Default false, or the glTF value.
         edge_tint under specular_color | specular: bool [ANY];
         /// Color of a sheen over the material, the glow of cloth fibers towards grazing angles, three numbers 0 to 1
         /// (`KHR_materials_sheen`). Default black, no sheen, or the glTF value.
