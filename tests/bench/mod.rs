@@ -22,7 +22,7 @@ use std::{
 };
 
 use crate::common::{
-    assert_says,
+    assert_says, cases,
     folder::kept_folder,
     gpu_or_skip,
     program::{Arguments, ends, reflet, signal},
@@ -292,37 +292,9 @@ fn bad_input_is_refused_before_anything_is_measured() {
     fs::write(folder.join("other.csv"), "a,b\n1,2\n").expect("a file");
     fs::write(folder.join("torn.csv"), &header()[..90]).expect("a file");
     fs::write(folder.join("file"), "").expect("a file");
-    for (arguments, code, says) in [
-        (
-            "--parameter speed",
-            2,
-            "threshold_u, edge_px, reuse_light, steps",
-        ),
-        (
-            "--parameter steps --values 3",
-            2,
-            "a whole number from 8 to 4096",
-        ),
-        ("--parameter steps --values many", 2, "many"),
-        ("--values 3", 2, "--parameter"),
-        ("--methods ssr,magic", 2, "magic"),
-        ("--frames 0", 2, "1..=100000"),
-        ("--sizes 64", 2, "WIDTHxHEIGHT"),
-        ("--choose speed>=3", 2, "cannot be bounded"),
-        (
-            "--parameter threshold_u --values 1e300",
-            2,
-            "must be 0 to 1e12",
-        ),
-        ("--samples none.csv", 2, "cannot be read"),
-        ("--samples empty.csv", 2, "is empty"),
-        ("--samples torn.csv", 2, "the header is cut off"),
-        ("--samples rowless.csv", 2, "holds no samples"),
-        ("--samples other.csv", 2, "there is no column fingerprint"),
-        ("none.toml", 3, "none.toml"),
-        ("--camera none", 2, "it has: main, side"),
-        ("-o file/below", 2, "file/below"),
-    ] {
+    for (arguments, expected) in cases(include_str!("refused.txt")) {
+        let (code, says) = expected.split_once(' ').expect("a code");
+        let code = code.parse().expect("a number");
         let [_, error] = exits(&folder, arguments, code);
         assert!(error.contains(says), "{arguments:?} says {error}");
         assert!(!folder.join("bench/samples.csv").exists(), "{arguments:?}");

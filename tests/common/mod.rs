@@ -94,6 +94,11 @@ impl Random {
         self.0 ^= self.0 << 17;
         (self.0 % n as u64) as usize
     }
+
+    /// A number from 0 to less than 1.
+    pub fn unit(&mut self) -> f64 {
+        self.below(1 << 53) as f64 / (1_u64 << 53) as f64
+    }
 }
 
 /// Asserts that a text contains each of these parts.

@@ -109,15 +109,12 @@ fn damage(path: &Path, folder: &Folder, changes: usize) -> [usize; 2] {
             "the first {length} bytes alone were taken"
         );
     }
-    let mut state = 0x9E37_79B9_7F4A_7C15_u64;
+    let mut random = crate::common::Random(0x9E37_79B9_7F4A_7C15);
     for _ in 0..changes {
         let mut bytes = whole.clone();
         for _ in 0..3 {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1);
-            let at = (state >> 33) as usize % bytes.len();
-            bytes[at] = (state >> 20) as u8;
+            let at = random.below(bytes.len());
+            bytes[at] = random.below(256) as u8;
         }
         check(&bytes);
     }

@@ -9,7 +9,7 @@ use std::{
 };
 
 use super::*;
-use crate::common::{is_long, program::signal};
+use crate::common::{Random, is_long, program::signal};
 
 /// Many small frames, so that kills occur between, during and after them.
 const FRAMES: &str = "-o f.##.png --set timeline.end=23 --aov depth --resume";
@@ -47,18 +47,6 @@ fn hidden(folder: &Path) -> Vec<String> {
     names
 }
 
-/// Pseudo-random numbers from 0 to 1 (xorshift64*, Vigna 2016).
-struct Chance(u64);
-
-impl Chance {
-    fn next(&mut self) -> f64 {
-        self.0 ^= self.0 >> 12;
-        self.0 ^= self.0 << 25;
-        self.0 ^= self.0 >> 27;
-        (self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-}
-
 /// Maximum number of extra rounds on a busy machine.
 const PATIENCE: u32 = 60;
 
@@ -75,7 +63,7 @@ fn end_at_random_moments(rounds: u32) {
     assert_eq!(whole.len(), 48);
 
     let folder = folder("kills");
-    let mut chance = Chance(0x5EED);
+    let mut chance = Random(0x5EED);
     let mut before = BTreeMap::new();
     let (mut ended_early, mut part_done) = (0, 0);
     let mut round = 0;
@@ -83,7 +71,7 @@ fn end_at_random_moments(rounds: u32) {
         round += 1;
         let kill = round % 2 == 0;
         let child = start(&folder, FRAMES);
-        std::thread::sleep(Duration::from_secs_f64(chance.next() * run_s));
+        std::thread::sleep(Duration::from_secs_f64(chance.unit() * run_s));
         signal(&child, if kill { "-KILL" } else { "-TERM" });
         let (code, text) = end(child);
         let context = format!("round {round}, code {code}: {text}");
@@ -136,7 +124,7 @@ fn end_a_film_at_random_moments(rounds: u32) {
         let path = folder.join(film);
         let whole = fs::read(&path).expect("a film");
         let before = b"the film before".to_vec();
-        let mut chance = Chance(0x5EED);
+        let mut chance = Random(0x5EED);
         let (mut ended_early, mut done) = (0, 0);
         let mut round = 0;
         while round < rounds || ended_early == 0 && round < rounds + PATIENCE {
@@ -144,7 +132,7 @@ fn end_a_film_at_random_moments(rounds: u32) {
             fs::write(&path, &before).expect("writable");
             let kill = round % 2 == 0;
             let child = start(&folder, &arguments);
-            std::thread::sleep(Duration::from_secs_f64(1.1 * chance.next() * run_s));
+            std::thread::sleep(Duration::from_secs_f64(1.1 * chance.unit() * run_s));
             signal(&child, if kill { "-KILL" } else { "-TERM" });
             let (code, text) = end(child);
             let context = format!("{film}, round {round}, code {code}: {text}");

@@ -5,34 +5,16 @@ use std::{fmt::Write as _, ops::Range};
 use reflet::scene::{desc::MATERIAL, number::Form};
 
 use super::kit::*;
+use crate::common::Random;
 
 const BALLS: u32 = 100;
 
-/// Pseudo-random numbers from 0 to 1 (PCG, O'Neill 2014).
-struct Random(u64);
-
-impl Random {
-    fn unit(&mut self) -> f32 {
-        let old = self.0;
-        self.0 = old
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        let word = (((old >> 18) ^ old) >> 27) as u32;
-        let bits = word.rotate_right((old >> 59) as u32);
-        (bits >> 8) as f32 / 16_777_216.0
-    }
-
-    /// A number between two limits; half of the time it is a limit.
-    fn between(&mut self, low: f32, high: f32) -> f32 {
-        match (self.unit() * 4.0) as u32 {
-            0 => low,
-            1 => high,
-            _ => low + (high - low) * self.unit(),
-        }
-    }
-
-    fn color(&mut self, high: f32) -> [f32; 3] {
-        [(); 3].map(|()| self.between(0.0, high))
+/// A number between two limits; half of the time it is a limit.
+fn between(random: &mut Random, low: f32, high: f32) -> f32 {
+    match random.below(4) {
+        0 => low,
+        1 => high,
+        _ => low + (high - low) * random.unit() as f32,
     }
 }
 
@@ -42,7 +24,7 @@ fn material(random: &mut Random) -> String {
     let is_key = |key: &str| !key.starts_with("emission") && !key.starts_with("checker_");
     for field in MATERIAL.iter().filter(|field| is_key(field.key)) {
         let [low, high] = [-1e4, 1e5].map(|x| field.range.clamp(x));
-        let numbers = [(); 3].map(|()| random.between(low, high));
+        let numbers = [(); 3].map(|()| between(random, low, high));
         if random.unit() < 0.5 {
             continue;
         }
@@ -54,22 +36,22 @@ fn material(random: &mut Random) -> String {
         // Writing to a string cannot fail.
         let _ = writeln!(text, "{} = {value}", field.key);
     }
-    let _ = writeln!(text, "ior = {}", random.between(1.0, 4.0));
-    let _ = writeln!(text, "thickness_m = {}", random.between(0.0, 2.0));
+    let _ = writeln!(text, "ior = {}", between(random, 1.0, 4.0));
+    let _ = writeln!(text, "thickness_m = {}", between(random, 0.0, 2.0));
     let _ = writeln!(text, "edge_tint = {}", random.unit() < 0.5);
     if random.unit() < 0.3 {
-        let [red, green, blue] = random.color(1e5);
+        let [red, green, blue] = [(); 3].map(|()| between(random, 0.0, 1e5));
         let _ = writeln!(text, "emission = [{}, {green}, {blue}]", red.max(1e-6));
         let _ = writeln!(text, "light = {}", random.unit() < 0.5);
     }
-    let mode = ["none", "auto", "mirror"][(random.unit() * 3.0) as usize % 3];
+    let mode = ["none", "auto", "mirror"][random.below(3)];
     let _ = writeln!(text, "reflection = {mode:?}");
     text
 }
 
 /// Scene text of balls in rows that nearly touch, each with its own material.
 fn world(seed: u32, diffuse_bounces: u32) -> String {
-    let mut random = Random(u64::from(seed) * 7919 + 1);
+    let mut random = Random(0x9E37_79B9_7F4A_7C15 ^ u64::from(seed));
     // No features that need other shaders, which take long to compile.
     let cutoff = ["0.2", "1"][seed as usize % 2];
     let mut text = include_str!("random_materials.toml")
