@@ -96,20 +96,10 @@ pub struct ShaderSource {
     pub text: Arc<str>,
     /// Whether the whole text was built into this program.
     pub embedded: bool,
-    /// Runs of lines that follow each other in a source file, in the order of `text`.
-    runs: Arc<[Run]>,
+    /// Source file and line number of every line of `text`.
+    lines: Arc<[(Arc<str>, u32)]>,
     /// Byte offsets of the ends of all lines of `text`.
     newlines: Arc<[usize]>,
-}
-
-/// Lines of an assembled text that follow each other in a source file.
-#[derive(Clone, Debug, PartialEq, Eq)]
-struct Run {
-    /// Index of the first line in the assembled text.
-    start: usize,
-    file: Arc<str>,
-    /// Index of the first line in the file.
-    first: usize,
 }
 
 impl ShaderSource {
@@ -119,13 +109,12 @@ impl ShaderSource {
         let index = newlines.partition_point(|newline| *newline < range.start);
         let start = index.checked_sub(1).map_or(0, |last| newlines[last] + 1);
         let text = self.text.get(start..)?.lines().next().unwrap_or("");
-        let run = self.runs.partition_point(|run| run.start <= index);
-        let run = &self.runs[run.checked_sub(1)?];
+        let (file, line) = self.lines.get(index)?.clone();
         let column = range.start - start;
         let rest = text.len().saturating_sub(column).max(1);
         Some(Location {
-            file: run.file.clone(),
-            line: (run.first + index - run.start) as u32 + 1,
+            file,
+            line,
             column: column as u32 + 1,
             text: text.to_owned(),
             length: range.len().clamp(1, rest) as u32,
@@ -235,12 +224,12 @@ impl ShaderLibrary {
     }
 
     /// Name for messages, and text, of the file of a [`key`].
-    fn find(&self, path: &str) -> Option<(Arc<str>, &str)> {
+    fn find(&self, path: &str) -> Option<(Arc<str>, Cow<'static, str>)> {
         if let Some(text) = self.generated.get(path) {
-            return Some((format!("generated {path}").into(), text));
+            return Some((format!("generated {path}").into(), text.clone().into()));
         }
         let (path, text) = self.files.get(path)?;
-        Some((format!("{}/{path}", self.root).into(), text))
+        Some((format!("{}/{path}", self.root).into(), text.clone()))
     }
 
     /// Path below the root and text of every file, sorted; without generated files.
@@ -290,8 +279,7 @@ impl ShaderLibrary {
         let mut assembly = Assembly {
             library: self,
             text: String::new(),
-            count: 0,
-            runs: Vec::new(),
+            lines: Vec::new(),
             open: Vec::new(),
             done: Vec::new(),
         };
@@ -303,7 +291,7 @@ impl ShaderLibrary {
             file,
             text: assembly.text.into(),
             embedded: self.embedded,
-            runs: assembly.runs.into(),
+            lines: assembly.lines.into(),
         })
     }
 }
@@ -312,9 +300,7 @@ impl ShaderLibrary {
 struct Assembly<'a> {
     library: &'a ShaderLibrary,
     text: String,
-    /// Number of lines of `text`.
-    count: usize,
-    runs: Vec<Run>,
+    lines: Vec<(Arc<str>, u32)>,
     /// Paths being included, outermost first.
     open: Vec<String>,
     /// Paths included so far.
@@ -327,7 +313,6 @@ impl Assembly<'_> {
             return Ok(());
         };
         self.open.push(path.to_owned());
-        let mut follows = false;
         for (index, line) in text.lines().enumerate() {
             if let Some(rest) = line.trim_start().strip_prefix("#import") {
                 let location = Location {
@@ -338,33 +323,14 @@ impl Assembly<'_> {
                     length: 1,
                 };
                 self.import(rest, location)?;
-                follows = false;
             } else if line.starts_with("enable ") {
                 // WGSL has these before all else, wherever the library is imported.
                 self.text.insert_str(0, &format!("{line}\n"));
-                self.runs.iter_mut().for_each(|run| run.start += 1);
-                self.runs.insert(
-                    0,
-                    Run {
-                        start: 0,
-                        file: file.clone(),
-                        first: index,
-                    },
-                );
-                self.count += 1;
-                follows = false;
+                (self.lines).insert(0, (file.clone(), index as u32 + 1));
             } else {
-                if !follows {
-                    self.runs.push(Run {
-                        start: self.count,
-                        file: file.clone(),
-                        first: index,
-                    });
-                }
                 self.text.push_str(line);
                 self.text.push('\n');
-                self.count += 1;
-                follows = true;
+                self.lines.push((file.clone(), index as u32 + 1));
             }
         }
         self.open.pop();
