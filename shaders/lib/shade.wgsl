@@ -65,7 +65,7 @@ const EDGE_SCHLICK: f32 = 0.46266436;
 const EDGE_PEAK: f32 = 0.05665278;
 
 // Reflectance that a metal lacks of Schlick's, by its tint at 82° (F82 of OpenPBR 1.1, section "Metal"; Kutz, Hašan &
-// Edmondson 2021, "Novel aspects of the Adobe Standard Material", 2.3). A dark metal with a dark tint has no more to lack.
+// Edmondson 2021, "Novel aspects of the Adobe Standard Material", 2.3). At most all of it: for dark metals with dark tints F82 is below 0.
 fn edge_dip(s: Surface, cosine: f32) -> vec3f {
     if (!HAS_EDGE_TINTS || !s.has_edge_tint) { return vec3f(0.0); }
     let grazing = vec3f(f90(s.base_color));

@@ -85,8 +85,7 @@ fn choose_uv_sets(material: &mut Material, place: &str, notes: &mut Notes) -> [u
     sets
 }
 
-/// Key in a material's extras with an object that marks a mesh light, whose emission lights the scene. Emission brighter
-/// than white does too.
+/// Key in a material's extras with an object that marks a mesh light, whose emission lights the scene.
 const MESH_LIGHT: &str = "mesh_light";
 
 fn convert(
@@ -119,6 +118,7 @@ fn convert(
     layers::note_shared_tangents(&out, place, notes);
     out.alpha_cutoff = alpha(material, &mut numbers)?;
     let is_marked = (material.extras.get(MESH_LIGHT)).is_some_and(serde_json::Value::is_object);
+    // Exporters have no other mark for lamps than emission brighter than white.
     out.is_mesh_light = is_marked || out.emission.max_element() > 1.0;
     out.light = out.is_mesh_light;
     out.blended = material.alpha_mode.as_deref() == Some("BLEND");

@@ -16,11 +16,7 @@ use reflet_scene::{
 /// Begin of the names of extensions of materials.
 const KHR: &str = "KHR_materials_";
 
-/// Stand for the extensions of an extension, in place of its name.
-const WITHIN_COAT: &str = "clearcoat/extensions";
-const WITHIN_SPECULAR: &str = "specular/extensions";
-
-/// Extension within `KHR_materials_specular` that tints edges.
+/// Extension within `KHR_materials_specular` that tints edges; as all places within an extension, with a slash.
 const EDGE_COLOR: &str = "specular/edge_color";
 
 /// Whether a number is of an extension.
@@ -131,10 +127,10 @@ impl<'de> Visitor<'de> for Keys<'_> {
                 continue;
             };
             let inner = match (extension, key.as_str()) {
-                ("clearcoat", "extensions") => Some(WITHIN_COAT),
-                ("specular", "extensions") => Some(WITHIN_SPECULAR),
-                (WITHIN_COAT, "KHR_materials_clearcoat_ior") => Some("clearcoat_ior"),
-                (WITHIN_SPECULAR, "EXT_materials_specular_edge_color") => Some(EDGE_COLOR),
+                ("clearcoat", "extensions") => Some("clearcoat/extensions"),
+                ("specular", "extensions") => Some("specular/extensions"),
+                ("clearcoat/extensions", "KHR_materials_clearcoat_ior") => Some("clearcoat_ior"),
+                ("specular/extensions", "EXT_materials_specular_edge_color") => Some(EDGE_COLOR),
                 _ => None,
             };
             if inner.is_some() {
@@ -167,10 +163,7 @@ impl<'de> DeserializeSeed<'de> for Keys<'_> {
 
     fn deserialize<D: Deserializer<'de>>(self, from: D) -> Result<(), D::Error> {
         let is_own = |(path, _): &(&str, _)| is_in(path, self.extension);
-        let is_within = matches!(
-            self.extension,
-            Some(WITHIN_COAT | WITHIN_SPECULAR | EDGE_COLOR)
-        );
+        let is_within = self.extension.is_some_and(|place| place.contains('/'));
         if is_within || LAYER_NUMBERS.iter().any(is_own) {
             return from.deserialize_any(self);
         }
